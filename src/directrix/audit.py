@@ -1,0 +1,225 @@
+"""The books of a run: what every step conserved, and a verdict in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from directrix.discretisation import Discretisation
+    from directrix.integrators import Integrator
+    from directrix.newton import Books
+    from directrix.result import Result
+
+Array = NDArray[np.float64]
+
+__all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report"]
+
+LIMIT = 1e-9  # relative; rounding leaves 1e-15 a step
+WARN_TURN = np.pi / 6
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the audit: a law, how far the run is from it, and how far it may be.
+
+    ``value`` is relative to what ``relative_to`` says; ``claimed`` is False when the scheme does not promise
+    this law, which is then reported and not judged.
+    """
+
+    law: str
+    value: float
+    limit: float
+    relative_to: str
+    claimed: bool = True
+
+    @property
+    def holds(self) -> bool:
+        """True when within the limit (or not claimed)."""
+        return (not self.claimed) or self.value <= self.limit
+
+
+@dataclass(frozen=True)
+class Audit:
+    """Every law of a run and what was noticed on the way.
+
+    ``entries`` are the laws; ``largest_turn`` [rad] between two neighbouring nodes of an element and where;
+    ``director_loss`` the largest loss of orthonormality of the interpolated directors, √Σ(d_i·d_j − δ_ij)²;
+    ``notes`` are warnings in sentences.
+    """
+
+    entries: tuple[Entry, ...]
+    largest_turn: float = 0.0
+    largest_turn_where: str = ""
+    director_loss: float = 0.0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """True when every claimed law holds."""
+        return all(e.holds for e in self.entries)
+
+    @property
+    def verdict(self) -> str:
+        """One sentence."""
+        bad = [e.law for e in self.entries if not e.holds]
+        if bad:
+            return "FAILED: " + ", ".join(bad)
+        claimed = [e.law for e in self.entries if e.claimed]
+        return "passed: " + ", ".join(claimed) if claimed else "nothing is claimed by this scheme"
+
+
+class _Turn:
+    """Follows the largest turn of an element and the loss of orthonormality through a run."""
+
+    def __init__(self, disc: Discretisation) -> None:
+        self.disc, self.dots, self.element, self.loss = disc, 3.0, 0, 0.0
+
+    def add(self, totals: Array) -> None:
+        if totals[8] < self.dots:
+            self.dots, self.element = float(totals[8]), int(totals[9])
+        self.loss = max(self.loss, float(totals[10]))
+
+    def audit(self, entries: list[Entry]) -> Audit:
+        angle = float(np.arccos(np.clip(0.5 * (self.dots - 1.0), -1.0, 1.0)))
+        where = self.disc.element_place(self.element)
+        notes = list(self.disc.mesh.notes)
+        if angle > WARN_TURN:
+            notes.append(
+                f"{where} turns by {np.degrees(angle):.0f}° between its nodes; above 30° direct interpolation "
+                "of directors loses accuracy: refine or raise the order"
+            )
+        return Audit(tuple(entries), angle, where, float(np.sqrt(self.loss)), tuple(notes))
+
+
+class DynamicBooks:
+    """Adds up the ledger of a motion, one step after the other (read by the loop, never by the solver).
+
+    After every step: total − total(0) = work, L − L(0) = ∫ΣF dt and J − J(0) = ∫ΣM dt, loads and supports
+    together. What does not add up is kept as the largest deviation seen.
+    """
+
+    def __init__(self, disc: Discretisation, integrator: Integrator, first: Books, dt: float) -> None:
+        self.integrator, self.dt = integrator, dt
+        self.mass = sum(
+            rod.section.A_rho * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
+        )
+        self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
+        self.start = first.totals.copy()
+        self.work = self.prescribed = 0.0
+        self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
+        self.impulse = np.zeros(6)
+        self.off = np.zeros(3)
+        self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
+        self.turn = _Turn(disc)
+        self.turn.add(first.totals)
+
+    def add(self, books: Books) -> None:
+        """Book one step."""
+        totals, flow = books.totals, books.flow
+        self.work += flow[0] + flow[1]
+        self.prescribed += flow[1]
+        self.impulse += self.dt * flow[2:]
+        self.turnover += (
+            abs(flow[0]) + abs(flow[1]),
+            self.dt * np.linalg.norm(flow[2:5]),
+            self.dt * np.linalg.norm(flow[5:]),
+        )
+        energy = float(totals[0] + totals[1])
+        self.energy, self.kinetic = max(self.energy, energy), max(self.kinetic, float(totals[1]))
+        change = totals[2:8] - self.start[2:8] - self.impulse
+        off = (
+            abs(energy - self.start[0] - self.start[1] - self.work),
+            np.linalg.norm(change[:3]),
+            np.linalg.norm(change[3:]),
+        )
+        self.off = np.fmax(self.off, off)
+        self.turn.add(totals)
+
+    def audit(self) -> Audit:
+        """The verdict on all steps booked so far."""
+        momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
+        scale = (
+            max(self.energy, self.turnover[0]),
+            momentum,
+            max(momentum * self.reach, self.turnover[2]),
+        )
+        value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
+        claims = self.integrator
+        return self.turn.audit(
+            [
+                Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
+                Entry("linear momentum", value[1], LIMIT, f"{scale[1]:.6g}", claims.conserves_momenta),
+                Entry("angular momentum", value[2], LIMIT, f"{scale[2]:.6g}", claims.conserves_momenta),
+            ]
+        )
+
+
+class StaticBooks:
+    """Global balance of every equilibrium: loads and reactions add up to no force and no moment.
+
+    The work of the loads along the path is booked by the trapezoidal rule, so the energy ledger closes only as the steps shrink.
+    """
+
+    def __init__(self, disc: Discretisation, first: Books) -> None:
+        self.work = self.prescribed = 0.0
+        self.off = np.zeros(2)
+        self.scale = np.zeros(2)
+        self.turn = _Turn(disc)
+        self.turn.add(first.totals)
+        self.before: tuple[Array, Array] | None = None
+
+    def add(self, books: Books, r: Array, external: Array) -> None:
+        """Book one equilibrium with positions ``r`` (n, 3) under loads ``external`` (n, 6)."""
+        ledger = books.flow[:2]
+        on = external + books.reaction
+        moments = on[:, 3:] + np.cross(r, on[:, :3])
+        self.off = np.fmax(self.off, [np.linalg.norm(on[:, :3].sum(0)), np.linalg.norm(moments.sum(0))])
+        parts = [np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], moments)]
+        self.scale = np.fmax(self.scale, parts)
+        self.work += float(ledger[0] + ledger[1])
+        self.prescribed += float(ledger[1])
+        self.turn.add(books.totals)
+
+    def audit(self) -> Audit:
+        """The verdict on all equilibria booked so far."""
+        names = ("balance of forces", "balance of moments")
+        return self.turn.audit(
+            [
+                Entry(name, float(o / s) if s > 0.0 else 0.0, 1e-7, f"{s:.6g}")
+                for name, o, s in zip(names, self.off, self.scale, strict=True)
+            ]
+        )
+
+
+def report(result: Result) -> str:
+    """The whole result in a few lines, for ``print(result)``."""
+    info, audit = result.info, result.audit
+    size = f"{info.get('nodes', '?')} nodes, {info.get('elements', '?')} elements ({info.get('solver', '?')} solver)"
+    scheme = info.get("integrator", "load control")
+    iterations = result.iterations
+    mean = f"{iterations.mean():.2f} Newton iterations a step" if iterations.size else "no step"
+    clock = "t" if result.kind == "dynamic" else "load factor"
+    lines = [
+        f"{result.name}: {'done' if result.success else 'NOT DONE'}: {result.status}",
+        f"  {result.kind}, {scheme}, {size}",
+        f"  {clock} = {result.t[0]:g} … {result.t[-1]:g}, {iterations.size} steps, {mean}",
+        f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
+        f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}",
+        f"  {'law':<20}{'deviation':>12}{'allowed':>12}  relative to",
+    ]
+    for e in audit.entries:
+        mark = "ok" if e.holds else "FAILED"
+        lines.append(
+            f"  {e.law:<20}{e.value:>12.2e}{e.limit:>12.0e}  {e.relative_to:<12} {mark if e.claimed else 'not claimed'}"
+        )
+    lines.append(f"  audit {audit.verdict}")
+    lines.append(
+        f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
+        f"directors off orthonormal by {audit.director_loss:.1e}"
+    )
+    lines += [f"  note: {note}" for note in audit.notes]
+    return "\n".join(lines)

@@ -1,0 +1,392 @@
+"""From a model to arrays: mesh, numbering, reference directors, pattern of the matrix, supports and loads.
+
+The numbering follows the shape of the graph: rods that only ever meet end to end are a chain (block
+tridiagonal); anything else is a general frame (sparse blocks). Interior nodes of elements are condensed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.basis import gauss, lagrange
+from directrix.errors import ModelError
+from directrix.formulations.directors import Layout, strains
+from directrix.model import Distributed, Force, Gravity, Model, Rod, RigidVelocity, Vec
+from directrix.result import Mesh, RodMesh
+from directrix.rotations import hat, smallest_rotation
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+__all__ = ["Discretisation", "Group", "LoadTerm", "Pattern", "discretise"]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Elements that share one kernel: ``conn`` (ne, nn) nodes, ``parameters`` (ne, size),
+    ``station`` (ne,) index of their first stress point."""
+
+    layout: Layout
+    conn: Ints
+    parameters: Array
+    station: Ints
+
+
+@dataclass(frozen=True)
+class LoadTerm:
+    """A load as the solvers see it: ``value(t)`` times ``weights`` on the force (or moment) of ``nodes``."""
+
+    moment: bool
+    nodes: Ints
+    weights: Array
+    value: Callable[[float], Array]
+    constant: bool
+    varies: bool
+    label: str
+
+
+class Pattern(NamedTuple):
+    """Block rows of the condensed system. ``row`` (n,) of every node, −1 for interior ones; the blocks of a
+    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` (elements, 4) are the
+    blocks (a, a), (a, b), (b, a), (b, b) of an element's ends."""
+
+    chain: bool
+    row: Ints
+    node_of_row: Ints
+    rowptr: Ints
+    column: Ints
+    diagonal: Ints
+    dest: Ints
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """Everything the solvers read. ``fixed`` (n, 6) marks components held by supports or prescribed motion;
+    ``prescribed`` pairs a node with its displacement and rotation functions."""
+
+    model: Model
+    mesh: Mesh
+    groups: tuple[Group, ...]
+    pattern: Pattern
+    fixed: NDArray[np.bool_]
+    prescribed: tuple[tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None], ...]
+    loads: tuple[LoadTerm, ...]
+    stiffness: tuple[Array, ...]  # per rod (6, 6)
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.mesh.r0)
+
+    @property
+    def elements(self) -> int:
+        """Number of elements."""
+        return sum(len(g.conn) for g in self.groups)
+
+    @property
+    def stations(self) -> int:
+        """Number of stress points."""
+        return sum(len(rod.stations) for rod in self.mesh.rods)
+
+    @cached_property
+    def length(self) -> float:
+        """Size of the model, the diagonal of its box."""
+        return float(np.linalg.norm(np.ptp(self.mesh.r0, axis=0)))
+
+    def element_place(self, element: int) -> str:
+        """"rod 'mid', element 3": where an element (numbered through the groups) is."""
+        for group in self.groups:
+            if element < len(group.conn):
+                station = group.station[element]
+                for rod in self.mesh.rods:
+                    local = (station - rod.first_station) // group.layout.points
+                    if 0 <= station - rod.first_station < len(rod.stations):
+                        return f"rod '{rod.name}', element {local + 1}"
+            element -= len(group.conn)
+        return f"element {element}"
+
+    def external(self, t: float, factor: float = 1.0) -> Array:
+        """Loads (n, 6) at time t; those not marked constant are multiplied by ``factor``."""
+        out = np.zeros((self.nodes, 6))
+        for load in self.loads:
+            value = load.value(t) * (1.0 if load.constant else factor)
+            part = out[:, 3:] if load.moment else out[:, :3]
+            np.add.at(part, load.nodes, load.weights[:, None] * value)
+        return out
+
+    def section_force(self, strain: Array) -> Array:
+        """Section forces (…, stations, 6) from strains (…, stations, 6)."""
+        parts = [
+            strain[..., r.first_station : r.first_station + len(r.stations), :] @ c
+            for r, c in zip(self.mesh.rods, self.stiffness, strict=True)
+        ]
+        return np.concatenate(parts, axis=-2)
+
+    def initial_rates(self) -> tuple[Array, Array]:
+        """Nodal velocities (n, 3) and angular velocities (n, 3) that the model asks for."""
+        v, omega = np.zeros((self.nodes, 3)), np.zeros((self.nodes, 3))
+        for given in self.model.velocities:
+            if isinstance(given, RigidVelocity):
+                v += given.v + np.cross(given.omega, self.mesh.r0 - np.asarray(given.about))
+                omega += given.omega
+            else:
+                k = self.mesh.node_names[given.node]
+                v[k] += given.v
+                omega[k] += given.omega
+        return v, omega
+
+
+def rates_of(rotation: Array, omega: Array) -> Array:
+    """dR/dt = ω̂ R, (n, 3, 3)."""
+    return hat(omega) @ rotation
+
+
+def _boundaries(rod: Rod) -> tuple[Array, list[str]]:
+    """Arclengths of the element ends; kinks and named nodes get one, and the sentence that says so."""
+    length = rod.curve.length
+    wanted = sorted({*rod.curve.breaks, *(f * length for _, f in rod.nodes)})
+    uniform = np.linspace(0.0, length, rod.elements + 1)
+    if all(np.min(np.abs(uniform - s)) <= 1e-9 * length for s in wanted):
+        return uniform, []
+    cuts = np.array([0.0, *wanted, length])
+    cuts = cuts[np.concatenate(([True], np.diff(cuts) > 1e-9 * length))]
+    spans = np.diff(cuts)
+    share = spans / length * rod.elements
+    counts = np.maximum(1, np.floor(share).astype(int))
+    while counts.sum() < rod.elements:
+        counts[np.argmax(share - counts)] += 1
+    s = np.concatenate([np.linspace(a, b, k, endpoint=False) for a, b, k in zip(cuts[:-1], cuts[1:], counts, strict=True)])
+    note = (
+        f"rod '{rod.name}': the mesh was fitted to {len(wanted)} kinks or named nodes; "
+        f"{counts.sum()} elements between {spans.min() / counts[spans.argmin()]:.4g} and {np.max(spans / counts):.4g} long"
+    )
+    return np.append(s, length), [note]
+
+
+class _RodArrays(NamedTuple):
+    s: Array  # (m,)
+    r: Array  # (m, 3)
+    directors: Array  # (ne, nn, 3, 3)
+    notes: list[str]
+
+
+def _mesh_rod(rod: Rod) -> _RodArrays:
+    ends, notes = _boundaries(rod)
+    p, ne = rod.order, len(ends) - 1
+    xi = np.linspace(0.0, 1.0, p + 1)
+    s = ends[:-1, None] + xi * np.diff(ends)[:, None]
+    middle = np.broadcast_to(0.5 * (ends[:-1] + ends[1:])[:, None], s.shape)
+    r = rod.curve.position(s)
+    directors = rod.curve.frames(s, middle)
+    if rod.curve.directors == "chord":
+        chord = r[:, -1] - r[:, 0]
+        r = r[:, :1] + xi[:, None] * chord[:, None]
+        frame = rod.curve.frames(middle[:, 0], middle[:, 0])
+        unit = chord / np.linalg.norm(chord, axis=1, keepdims=True)
+        frame = smallest_rotation(frame[:, :, 2], unit) @ frame
+        directors = np.broadcast_to(frame[:, None], (ne, p + 1, 3, 3))
+    nodes = np.append(r[:, :-1].reshape(-1, 3), r[-1, -1:], axis=0)
+    return _RodArrays(np.append(s[:, :-1].ravel(), s[-1, -1]), nodes, directors, notes)
+
+
+def _parameters(rod: Rod, layout: Layout, r: Array, directors: Array) -> tuple[Array, Array]:
+    """Element parameters (ne, size) in the order of :class:`Layout`, and ∫N_a dS (ne, nn).
+
+    ``r`` (ne, nn, 3) reference positions, ``directors`` (ne, nn, 3, 3) with columns d1, d2, d3.
+    """
+    ne, nn, order = len(r), layout.nn, layout.nn - 1
+    section = rod.section
+
+    def speed(points: int) -> tuple[Array, Array, Array]:
+        xi, w = gauss(points)
+        n, dn = lagrange(order, xi)
+        return w, n, np.linalg.norm(np.einsum("ga,eai->egi", dn, r), axis=2)
+
+    _, _, j = speed(layout.points)
+    w, n, jm = speed(order + 1)
+    pairs = np.einsum("g,eg,ga,gb->eab", w, jm, n, n)[:, *np.triu_indices(nn)]
+    weights = np.einsum("g,eg,ga->ea", w, jm, n)
+    q = [[list(r[:, a].T)] + [list(directors[:, a, :, i].T) for i in range(3)] for a in range(nn)]
+    xi, _ = gauss(layout.points)
+    n, dn = lagrange(order, xi)
+    e0 = [strains(q, n[g].tolist(), dn[g].tolist(), 1.0 / j[:, g]) for g in range(layout.points)]
+    c, inertia = section.stiffness, section.I_rho
+    stiff = np.diag(c) if layout.principal else c[np.triu_indices(6)]
+    masses = [section.A_rho, inertia[0, 0], inertia[1, 1]] + ([] if layout.principal else [inertia[0, 1]])
+    table = [
+        # place() reads the components of d_i one director after the other
+        directors.transpose(0, 1, 3, 2).reshape(ne, 9 * nn),
+        np.broadcast_to(stiff, (ne, len(stiff))),
+        1.0 / j,
+        np.stack([np.stack(e, -1) for e in e0], 1).reshape(ne, -1),
+        pairs,
+        np.broadcast_to(masses, (ne, len(masses))),
+    ]
+    return np.concatenate(table, axis=1), weights
+
+
+def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
+    if not callable(value):
+        vector = np.asarray(value, float)
+        return (lambda t: t * vector) if ramp else (lambda t: vector)
+
+    def checked(t: float) -> Array:
+        try:
+            out = np.asarray(value(t), float)
+        except (TypeError, ValueError) as error:
+            raise ModelError(f"{what} at t = {t:.6g}: {error}", "return three numbers") from error
+        if out.shape != (3,) or not np.all(np.isfinite(out)):
+            raise ModelError(f"{what} gives {out} at t = {t:.6g}", "return three finite numbers for every t")
+        return out
+
+    return checked
+
+
+def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
+    """Numbering and blocks for elements that join the nodes (a, b)."""
+    ends = np.unique(np.array(elements, np.int64).ravel())
+    near: dict[int, list[int]] = {int(k): [] for k in ends}
+    for a, b in elements:
+        near[a].append(b)
+        near[b].append(a)
+    order: list[int] = []
+    seen: set[int] = set()
+    for start in [k for k in near if len(near[k]) == 1]:
+        k: int | None = start
+        while k is not None and k not in seen:
+            seen.add(k)
+            order.append(k)
+            k = next((m for m in near[k] if m not in seen), None)
+    chain = len(order) == len(near) and all(len(m) <= 2 for m in near.values())
+    if not chain:
+        order = [int(k) for k in ends]
+    row = np.full(n, -1, np.int64)
+    row[order] = np.arange(len(order))
+    if chain:
+        rows = [[i - 1, i, i + 1] for i in range(len(order))]
+    else:
+        rows = [sorted({i, *(int(row[m]) for m in near[k])}) for i, k in enumerate(order)]
+    rowptr = np.cumsum([0, *(len(r) for r in rows)])
+    at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
+    dest = [
+        (at[ra][ra], at[ra][rb], at[rb][ra], at[rb][rb])
+        for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
+    ]
+    return Pattern(
+        chain,
+        row,
+        np.array(order, np.int64),
+        rowptr.astype(np.int64),
+        np.array([c for r in rows for c in r], np.int64),
+        np.array([at[i][i] for i in range(len(rows))], np.int64),
+        np.array(dest, np.int64),
+    )
+
+
+def discretise(model: Model, *, dynamic: bool) -> Discretisation:
+    """Mesh the model and number its unknowns; raises ModelError for a model that cannot be solved."""
+    model.check(**({"dynamic": True} if dynamic else {"static": True}))
+    names: dict[str, int] = {}
+    positions: list[Array] = []
+    rods: list[RodMesh] = []
+    notes: list[str] = []
+    by_layout: dict[Layout, list[tuple[Ints, Array, Ints]]] = {}
+    spread: dict[str, tuple[Ints, Array]] = {}
+    station = 0
+    for rod in model.rods:
+        mesh = _mesh_rod(rod)
+        notes += mesh.notes
+        index = np.empty(len(mesh.s), np.int64)
+        given = {0: rod.ends[0], len(mesh.s) - 1: rod.ends[1]}
+        for name, fraction in rod.nodes:
+            given[int(np.argmin(np.abs(mesh.s - fraction * rod.curve.length)))] = name
+        for k, r in enumerate(mesh.r):
+            known = names.get(given[k]) if k in given else None
+            if known is None:
+                known = len(positions)
+                positions.append(r)
+                if k in given:
+                    names[given[k]] = known
+            index[k] = known
+        ne, nn = mesh.directors.shape[:2]
+        conn = index[np.arange(ne)[:, None] * rod.order + np.arange(nn)]
+        local = np.arange(ne)[:, None] * rod.order + np.arange(nn)
+        c, inertia = rod.section.stiffness, rod.section.I_rho
+        principal = not np.any(c - np.diag(np.diag(c))) and inertia[0, 1] == 0.0
+        points = rod.points or rod.order
+        layout = Layout(nn, points, principal)
+        parameters, weights = _parameters(rod, layout, mesh.r[local], mesh.directors)
+        first = station + points * np.arange(ne)
+        by_layout.setdefault(layout, []).append((conn, parameters, first))
+        spread[rod.name] = conn.ravel(), weights.ravel()
+        shape = lagrange(rod.order, gauss(points)[0])[0]
+        at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
+        rods.append(
+            RodMesh(
+                rod.name, index, mesh.s, at_nodes, rod.order,
+                np.einsum("ga,ea->eg", shape, mesh.s[local]).ravel(), station, rod.section.outline,
+            )
+        )  # fmt: skip
+        station += points * ne
+    groups = tuple(
+        Group(layout, *(np.concatenate([part[k] for part in parts]) for k in range(3)))  # type: ignore[arg-type]
+        for layout, parts in by_layout.items()
+    )
+    mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
+    n = len(positions)
+    fixed, prescribed = _supports(model, names, n, dynamic)
+    return Discretisation(
+        model,
+        mesh,
+        groups,
+        _pattern(n, [(int(c[0]), int(c[-1])) for g in groups for c in g.conn]),
+        fixed,
+        prescribed,
+        _loads(model, names, spread),
+        tuple(rod.section.stiffness for rod in model.rods),
+    )
+
+
+def _supports(model: Model, names: dict[str, int], n: int, dynamic: bool):
+    fixed = np.zeros((n, 6), bool)
+    for support in model.supports:
+        for dof in support.dofs:
+            fixed[names[support.node], ("x", "y", "z", "rx", "ry", "rz").index(dof)] = True
+    prescribed = []
+    for given in model.prescribed:
+        k = names[given.node]
+        functions = []
+        for part, value in ((slice(0, 3), given.displacement), (slice(3, 6), given.rotation)):
+            if value is not None:
+                fixed[k, part] = True
+            what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
+            functions.append(None if value is None else _as_function(value, not dynamic, what))
+        prescribed.append((k, *functions))
+    return fixed, tuple(prescribed)
+
+
+def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:
+    terms: list[LoadTerm] = []
+    for load in model.loads:
+        if isinstance(load, Gravity):
+            value = _as_function(load.value, False, "gravity")
+            for rod in model.rods:
+                nodes, weights = spread[rod.name]
+                terms.append(LoadTerm(False, nodes, rod.section.A_rho * weights, value, load.constant, callable(load.value), "gravity"))
+        elif isinstance(load, Distributed):
+            what = f"the distributed load on rod {load.rod!r}"
+            nodes, weights = spread[load.rod]
+            terms.append(LoadTerm(False, nodes, weights, _as_function(load.value, False, what), load.constant, callable(load.value), what))
+        else:
+            kind = "force" if isinstance(load, Force) else "moment"
+            what = f"the {kind} on node {load.node!r}"
+            node = np.array([names[load.node]])
+            value = _as_function(load.value, False, what)
+            terms.append(LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what))
+    return tuple(terms)

@@ -1,0 +1,139 @@
+"""Time stepping. The loop knows states, times and when to save or stop; the mechanics are elsewhere."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from directrix.audit import DynamicBooks
+from directrix.discretisation import discretise
+from directrix.errors import ConvergenceError, ModelError
+from directrix.formulations import Directors
+from directrix.integrators import EnergyMomentum, Integrator
+from directrix.model import Model
+from directrix.newton import Newton, Settings
+from directrix.recorder import Progress, Recorder
+from directrix.result import Result, Status
+from directrix.state import initial_state, place_supports
+
+__all__ = ["simulate"]
+
+
+def simulate(
+    model: Model,
+    t_end: float,
+    dt: float,
+    *,
+    integrator: Integrator | None = None,
+    formulation: Directors | None = None,
+    load_rule: Literal["midpoint", "average"] = "midpoint",
+    start: Result | None = None,
+    save_every: int = 1,
+    tolerance: float = 1e-9,
+    progress: Progress | None = None,
+    raise_on_failure: bool = False,
+) -> Result:
+    """Integrate the motion from t = 0 (or from ``start``) to ``t_end`` in equal steps.
+
+    Parameters
+    ----------
+    model
+        Rods with mass, supports, loads, initial velocities.
+    t_end, dt
+        End and step; ``t_end`` must be a whole number of steps away.
+    integrator
+        ``EnergyMomentum()`` (default) or ``Midpoint()``.
+    formulation
+        ``Directors()``.
+    load_rule
+        A load acts over a step with its value at t½ ("midpoint") or the mean of its end values ("average").
+    start
+        Go on from the last instant of this result, at its time if it is dynamic and at t = 0 if static.
+    save_every
+        Keep every so many steps; the last one is always kept.
+    tolerance
+        Unbalanced over largest element force at which a step is accepted (never below round-off).
+    progress
+        Called after each step with the fraction done and a line of text.
+    raise_on_failure
+        Raise ConvergenceError instead of returning a Result with ``success`` False.
+
+    Raises
+    ------
+    ModelError
+        The model or an argument cannot be right.
+    """
+    integrator = integrator or EnergyMomentum()
+    _refuse(formulation, integrator, load_rule, save_every)
+    disc = discretise(model, dynamic=True)
+    t0 = float(start.t[-1]) if start is not None and start.kind == "dynamic" else 0.0
+    steps = _count(t0, t_end, dt)
+    x = initial_state(disc, start, dynamic=True)
+    newton = Newton(disc, integrator.rule, Settings(tolerance), dt)
+    recorder = Recorder(disc, "dynamic")
+    ledger = DynamicBooks(disc, integrator, newton.books(x), dt)
+    recorder.keep(t0, 1.0, x, newton.books(x), (0.0, 0.0))
+    steady = not any(load.varies for load in disc.loads)
+    external = disc.external(t0)
+    status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
+    try:
+        for k in range(1, steps + 1):
+            before, t = t0 + (k - 1) * dt, t0 + k * dt
+            if not steady:
+                if load_rule == "midpoint":
+                    external = disc.external(0.5 * (before + t))
+                else:
+                    external = 0.5 * (disc.external(before) + disc.external(t))
+            moved = bool(disc.prescribed) and place_supports(disc, x, t)
+            outcome = newton.solve(x, external, moved)
+            recorder.iterations.append(outcome.iterations)
+            if outcome.status is not None:
+                failed = outcome.status
+                status = Status(failed.code, f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}", failed.advice)
+                break
+            books = newton.finish(x, external, external)
+            ledger.add(books)
+            if k % save_every == 0 or k == steps:
+                recorder.keep(t, 1.0, x, books, (ledger.work, ledger.prescribed))
+            if progress is not None:
+                energy = books.totals[0] + books.totals[1]
+                progress(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
+    except KeyboardInterrupt:
+        status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
+    info = {
+        "integrator": repr(integrator), "formulation": repr(formulation or Directors()), "dt": dt, "t_end": t_end,
+        "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),
+    }  # fmt: skip
+    result = recorder.result(status, ledger.audit(), info)
+    if raise_on_failure and not result.success:
+        raise ConvergenceError(result)
+    return result
+
+
+def _refuse(formulation: Directors | None, integrator: Integrator, load_rule: str, save_every: int) -> None:
+    if formulation is not None and not isinstance(formulation, Directors):
+        raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
+    if not hasattr(integrator, "rule"):
+        raise ModelError(f"{integrator!r} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator=")
+    if load_rule not in ("midpoint", "average"):
+        raise ModelError(f"there is no load rule {load_rule!r}", 'use "midpoint" or "average"', "load_rule=")
+    if not save_every >= 1 or save_every != int(save_every):
+        raise ModelError(f"save_every = {save_every} is not a positive whole number", "save every 1, 2, … steps", "save_every=")
+
+
+def _count(t0: float, t_end: float, dt: float) -> int:
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise ModelError(f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt=")
+    if not (np.isfinite(t_end) and t_end > t0):
+        raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
+    steps = round((t_end - t0) / dt)
+    if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
+        near = max(1, steps)
+        raise ModelError(
+            f"from t = {t0:g} to t_end = {t_end:g} is not a whole number of steps dt = {dt:g}",
+            f"use dt = {(t_end - t0) / near:.10g} or t_end = {t0 + near * dt:.10g}",
+            "dt=, t_end=",
+        )
+    return steps
+

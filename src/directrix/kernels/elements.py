@@ -1,0 +1,229 @@
+"""Loops over elements: gather lanes, call the kernel, condense interior nodes, scatter.
+
+``tables`` (see :class:`directrix.discretisation.Tables`) are flat arrays for all groups of equal elements;
+``x`` (n, 36) holds per node x1, x0 and the rate, twelve numbers each.
+"""
+# pyright: basic
+
+import numpy as np
+from numba import njit
+
+from directrix.kernels.call import call_kernel
+from directrix.kernels.compile import LANES
+
+__all__ = ["assemble", "books", "internal_forces"]
+
+# columns of tables.head
+STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, WIDTH = range(12)
+
+
+@njit(cache=True, error_model="numpy")
+def _gather(conn, first, count, nn, lanes, width, x, buffer):
+    """Nodal values of up to ``lanes`` elements into [component][lane]; short blocks repeat the last."""
+    for lane in range(lanes):
+        e = first + min(lane, count - 1)
+        for a in range(nn):
+            node = conn[e * nn + a]
+            for c in range(width):
+                buffer[(36 * a + c) * lanes + lane] = x[node, c]
+
+
+@njit(cache=True, error_model="numpy")
+def _condense(k, r, nn, eliminated, back):
+    """Eliminate the interior nodes 1 … nn−2 of an element matrix ``k`` with right-hand side ``r``.
+
+    ``k`` (6nn, 6nn) and ``r`` (6nn,) are overwritten: rows of the end nodes get the Schur complement.
+    ``back`` (6(nn−2), 13): the interior increment is back[:, 12] − back[:, :12] · (end increments).
+    Returns the row of a vanishing pivot, or −1.
+    """
+    m = 6 * (nn - 2)
+    last = 6 * (nn - 1)
+    for i in range(m):
+        for c in range(6):
+            back[i, c] = k[6 + i, c]
+            back[i, 6 + c] = k[6 + i, last + c]
+        back[i, 12] = r[6 + i]
+        for j in range(m):
+            eliminated[i, j] = k[6 + i, 6 + j]
+    for p in range(m):
+        best, at = abs(eliminated[p, p]), p
+        for i in range(p + 1, m):
+            if abs(eliminated[i, p]) > best:
+                best, at = abs(eliminated[i, p]), i
+        if not best > 0.0:
+            return p
+        if at != p:
+            for c in range(m):
+                eliminated[p, c], eliminated[at, c] = eliminated[at, c], eliminated[p, c]
+            for c in range(13):
+                back[p, c], back[at, c] = back[at, c], back[p, c]
+        f = 1.0 / eliminated[p, p]
+        for c in range(p, m):
+            eliminated[p, c] *= f
+        for c in range(13):
+            back[p, c] *= f
+        for i in range(m):
+            if i != p:
+                f = eliminated[i, p]
+                for c in range(p, m):
+                    eliminated[i, c] -= f * eliminated[p, c]
+                for c in range(13):
+                    back[i, c] -= f * back[p, c]
+    for end in range(2):
+        for i in range(6):
+            row = end * last + i
+            for j in range(m):
+                f = k[row, 6 + j]
+                for c in range(6):
+                    k[row, c] -= f * back[j, c]
+                    k[row, last + c] -= f * back[j, 6 + c]
+                r[row] -= f * back[j, 12]
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(tables, work, x, g, external, mask, frozen):
+    """Residual and tangent of the whole system, interior nodes condensed, supports applied.
+
+    Fills ``work.internal`` (n, 6), ``work.scale`` (largest force and moment of any element on a node),
+    ``work.blocks`` and ``work.rhs`` = −(internal − external) on the free components. ``frozen`` also holds
+    all rotations. Returns the element of a vanishing interior pivot, or −1.
+    """
+    lanes = LANES
+    internal, blocks, rhs, scale = work.internal, work.blocks, work.rhs, work.scale
+    internal[:] = 0.0
+    blocks[:] = 0.0
+    scale[:] = 0.0
+    rhs[:] = 0.0
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        nn, ne = head[NN], head[COUNT]
+        nd = 6 * nn
+        last = nd - 6
+        for block in range((ne + lanes - 1) // lanes):
+            first, count = block * lanes, min(lanes, ne - block * lanes)
+            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, head[WIDTH], x, work.buffer)
+            parameters = head[PAR] + block * lanes * head[SIZE]
+            call_kernel(head[STEP], work.buffer, tables.par, parameters, g, work.out)
+            out = work.out
+            for lane in range(count):
+                e = first + lane
+                conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
+                for a in range(nn):
+                    node = conn[a]
+                    for i in range(3):
+                        f, m = out[(6 * a + i) * lanes + lane], out[(6 * a + 3 + i) * lanes + lane]
+                        internal[node, i] += f
+                        internal[node, 3 + i] += m
+                        scale[0] = max(scale[0], abs(f))
+                        scale[1] = max(scale[1], abs(m))
+                to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
+                if nn == 2:
+                    for j in range(12):
+                        for i in range(12):
+                            value = out[(12 + 12 * j + i) * lanes + lane]
+                            blocks[to[2 * (i // 6) + j // 6], i % 6, j % 6] += value
+                else:
+                    k, r = work.k, work.r
+                    for j in range(nd):
+                        for i in range(nd):
+                            k[i, j] = out[(nd + nd * j + i) * lanes + lane]
+                    for i in range(6, last):
+                        node = conn[i // 6]
+                        r[i] = external[node, i % 6] - out[i * lanes + lane]
+                        if frozen and i % 6 > 2:
+                            r[i] = 0.0
+                            for j in range(nd):
+                                k[i, j] = 0.0
+                            k[i, i] = 1.0
+                    for i in range(6):
+                        r[i] = 0.0
+                        r[last + i] = 0.0
+                    m = 6 * (nn - 2)
+                    back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
+                    if _condense(k, r, nn, work.eliminated, back) >= 0:
+                        return head[ELEMENT] + e
+                    for i in range(6):
+                        rhs[tables.row[conn[0]], i] += r[i]
+                        rhs[tables.row[conn[nn - 1]], i] += r[last + i]
+                        for j in range(6):
+                            blocks[to[0], i, j] += k[i, j]
+                            blocks[to[1], i, j] += k[i, last + j]
+                            blocks[to[2], i, j] += k[last + i, j]
+                            blocks[to[3], i, j] += k[last + i, last + j]
+    for node in range(x.shape[0]):
+        row = tables.row[node]
+        if row < 0:
+            continue
+        for i in range(6):
+            if mask[node, i] or (frozen and i > 2):
+                rhs[row, i] = 0.0
+                for b in range(tables.rowptr[row], tables.rowptr[row + 1]):
+                    for j in range(6):
+                        blocks[b, i, j] = 0.0
+                blocks[tables.diagonal[row], i, i] = 1.0
+            else:
+                rhs[row, i] += external[node, i] - internal[node, i]
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def internal_forces(tables, work, x, g):
+    """Residual alone: ``work.internal`` (n, 6) and ``work.scale`` as in :func:`assemble`."""
+    lanes = LANES
+    internal, scale, out = work.internal, work.scale, work.out
+    internal[:] = 0.0
+    scale[:] = 0.0
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        nn, ne = head[NN], head[COUNT]
+        for block in range((ne + lanes - 1) // lanes):
+            first, count = block * lanes, min(lanes, ne - block * lanes)
+            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, head[WIDTH], x, work.buffer)
+            parameters = head[PAR] + block * lanes * head[SIZE]
+            call_kernel(head[RESIDUAL], work.buffer, tables.par, parameters, g, out)
+            for lane in range(count):
+                for a in range(nn):
+                    node = tables.conn[head[CONN] + (first + lane) * nn + a]
+                    for i in range(3):
+                        f, m = out[(6 * a + i) * lanes + lane], out[(6 * a + 3 + i) * lanes + lane]
+                        internal[node, i] += f
+                        internal[node, 3 + i] += m
+                        scale[0] = max(scale[0], abs(f))
+                        scale[1] = max(scale[1], abs(m))
+
+
+@njit(cache=True, error_model="numpy")
+def books(tables, work, x, totals, strains):
+    """Audit of a state (x1 and the rate): fills ``strains`` (stations, 6) and ``totals``.
+
+    ``totals``: stored, kinetic, L (3), J (3), smallest Σ_i d_i·d_i between neighbouring nodes and its element,
+    largest squared loss of orthonormality at a stress point.
+    """
+    lanes = LANES
+    totals[:] = 0.0
+    totals[8] = 3.0
+    out = work.out
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        nn, ne, points = head[NN], head[COUNT], head[POINTS]
+        for block in range((ne + lanes - 1) // lanes):
+            first, count = block * lanes, min(lanes, ne - block * lanes)
+            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, 36, x, work.buffer)
+            parameters = head[PAR] + block * lanes * head[SIZE]
+            call_kernel(head[AUDIT], work.buffer, tables.par, parameters, work.dt, out)
+            for lane in range(count):
+                e = first + lane
+                for c in range(8):
+                    totals[c] += out[c * lanes + lane]
+                for c in range(8, 7 + nn):
+                    if out[c * lanes + lane] < totals[8]:
+                        totals[8] = out[c * lanes + lane]
+                        totals[9] = head[ELEMENT] + e
+                at = 7 + nn
+                for point in range(points):
+                    totals[10] = max(totals[10], out[at * lanes + lane])
+                    station = tables.station[head[ELEMENT] + e] + point
+                    for c in range(6):
+                        strains[station, c] = out[(at + 1 + c) * lanes + lane]
+                    at += 7

@@ -1,0 +1,221 @@
+"""One step, compiled: Newton's iteration and the books of the step.
+
+Mechanics stay in the element kernels; here are only positions, rotations, supports and stopping.
+"""
+# pyright: basic
+
+from math import cos, sin, sqrt
+
+import numpy as np
+from numba import njit
+
+from directrix.kernels.chain import solve_chain
+from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, internal_forces
+
+__all__ = ["CONVERGED", "LIMIT", "NON_FINITE", "SINGULAR", "SOLVE", "finish", "newton"]
+
+CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
+# places of `control`: what comes next, iterations so far, positions only, the node or element to blame
+PHASE, ITERATION, FROZEN, BLAME = range(4)
+LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
+
+
+@njit(cache=True, error_model="numpy")
+def _rotation(t, cayley, out):
+    """out (3, 3) = exp(t̂), or the Cayley transform of t."""
+    s = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+    if cayley:
+        a = 1.0 / (1.0 + 0.25 * s)
+        b = 0.5 * a
+    elif s < 1e-4:
+        a = 1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0))
+        b = 0.5 - s / 24.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0))
+    else:
+        angle = sqrt(s)
+        a, b = sin(angle) / angle, (1.0 - cos(angle)) / s
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = b * t[i] * t[j]
+        out[i, i] += 1.0 - b * s
+    out[0, 1] -= a * t[2]
+    out[0, 2] += a * t[1]
+    out[1, 0] += a * t[2]
+    out[1, 2] -= a * t[0]
+    out[2, 0] -= a * t[1]
+    out[2, 1] += a * t[0]
+
+
+@njit(cache=True, error_model="numpy")
+def _advance(tables, work, x, frozen, cayley, limit):
+    """Add the increments ``work.du`` of the end nodes and of the interior ones; largest displacement and turn.
+
+    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
+    value that is not finite, or −1.
+    """
+    step = work.step
+    for node in range(x.shape[0]):
+        row = tables.row[node]
+        if row >= 0:
+            for i in range(6):
+                step[node, i] = work.du[row, i]
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        nn = head[NN]
+        m = 6 * (nn - 2)
+        for e in range(head[COUNT] if nn > 2 else 0):
+            conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
+            back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
+            for i in range(m):
+                s = back[i, 12]
+                for c in range(6):
+                    s -= back[i, c] * step[conn[0], c] + back[i, 6 + c] * step[conn[nn - 1], c]
+                step[conn[1 + i // 6], i % 6] = s
+    moved, turned = 0.0, 0.0
+    for node in range(x.shape[0]):
+        u, t = step[node, :3], step[node, 3:]
+        d2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
+        t2 = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+        if not (d2 + t2 < 1e300):
+            return moved, turned, node
+        moved, turned = max(moved, d2), max(turned, t2)
+    moved, turned = sqrt(moved), sqrt(turned)
+    factor = 1.0 if turned <= limit else limit / turned
+    q, t = np.empty((3, 3)), np.empty(3)
+    for node in range(x.shape[0]):
+        for i in range(3):
+            x[node, i] += factor * step[node, i]
+            t[i] = factor * step[node, 3 + i]
+        if frozen or (t[0] == 0.0 and t[1] == 0.0 and t[2] == 0.0):
+            continue
+        _rotation(t, cayley, q)
+        for c in range(3):
+            at = 3 + 3 * c
+            a, b, d = x[node, at], x[node, at + 1], x[node, at + 2]
+            for i in range(3):
+                x[node, at + i] = q[i, 0] * a + q[i, 1] * b + q[i, 2] * d
+    return moved, turned, -1
+
+
+@njit(cache=True, error_model="numpy")
+def _imbalance(work, external, mask, tolerance, floor):
+    """Largest unbalanced force or moment over what is allowed, and its node."""
+    scale_f, scale_m = work.scale[0], work.scale[1]
+    for node in range(external.shape[0]):
+        for i in range(3):
+            scale_f = max(scale_f, abs(external[node, i]))
+            scale_m = max(scale_m, abs(external[node, 3 + i]))
+    allowed_f = max(tolerance * scale_f, floor[0])
+    allowed_m = max(tolerance * scale_m, floor[1])
+    worst, at = 0.0, 0
+    for node in range(external.shape[0]):
+        for i in range(6):
+            if not mask[node, i]:
+                off = abs(work.internal[node, i] - external[node, i]) / (allowed_f if i < 3 else allowed_m)
+                if not off <= worst:
+                    worst, at = off, node
+    return worst, at
+
+
+@njit(cache=True, error_model="numpy")
+def newton(tables, work, x, g, external, mask, options, control):
+    """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
+
+    ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley.
+    """
+    tolerance, floor, length = options[0], options[1:3], options[3]
+    limit, allowed, cayley = options[4], options[5], options[6] > 0.0
+    while True:
+        if control[PHASE] == 0:
+            if control[ITERATION] >= allowed:
+                internal_forces(tables, work, x, g)
+                control[BLAME] = _imbalance(work, external, mask, tolerance, floor)[1]
+                return LIMIT
+            control[ITERATION] += 1
+            bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
+            if bad >= 0:
+                control[BLAME] = tables.element_node[bad]
+                return SINGULAR
+            control[PHASE] = 1
+            if tables.chain == 0:
+                return SOLVE
+            row = solve_chain(work.blocks.reshape((-1, 3, 6, 6)), work.rhs, work.factors, work.du)
+            if row >= 0:
+                control[BLAME] = tables.node_of_row[row]
+                return SINGULAR
+        control[PHASE] = 0
+        frozen = control[FROZEN] == 1
+        moved, turned, bad = _advance(tables, work, x, frozen, cayley, limit)
+        if bad >= 0:
+            control[BLAME] = bad
+            return NON_FINITE
+        control[FROZEN] = 0
+        if frozen:
+            continue
+        if turned > LARGE_TURN:
+            control[FROZEN] = 1
+        elif moved <= 1e-9 * length and turned <= 1e-9:
+            internal_forces(tables, work, x, g)
+            worst, at = _imbalance(work, external, mask, tolerance, floor)
+            control[BLAME] = at
+            if worst <= 1.0:
+                return CONVERGED
+            if not worst < 1e300:
+                return NON_FINITE
+
+
+@njit(cache=True, error_model="numpy")
+def finish(tables, work, x, external, before, mask, rate, totals, strains):
+    """Books of a finished step, and x1 becomes x0.
+
+    ``rate`` = 2/Δt gives ẋ1 = rate (x1 − x0) − ẋ0; 0 means statics: rates stay, and work is booked with the mean
+    of the forces ``before`` and at the end of the step. ``work.flow`` receives the work of the loads, the work
+    at the supports, Σ force (3) and Σ moment about the origin (3) at x½ of loads and supports together;
+    ``work.reaction`` (n, 6) the support forces.
+    """
+    flow, reaction = work.flow, work.reaction
+    flow[:] = 0.0
+    turn = np.zeros(3)
+    for node in range(x.shape[0]):
+        y = x[node]
+        # ϑ of R1 = cay(ϑ) R0: with A = R1 R0ᵀ, ϑ = 2 axial(A − Aᵀ) / (1 + tr A)
+        trace = 1.0
+        turn[:] = 0.0
+        for c in range(3):
+            a, b = y[3 + 3 * c : 6 + 3 * c], y[15 + 3 * c : 18 + 3 * c]
+            trace += a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+            turn[0] += a[2] * b[1] - a[1] * b[2]
+            turn[1] += a[0] * b[2] - a[2] * b[0]
+            turn[2] += a[1] * b[0] - a[0] * b[1]
+        for i in range(3):
+            turn[i] *= 2.0 / trace
+        for i in range(6):
+            delta = y[i] - y[12 + i] if i < 3 else turn[i - 3]
+            held = 0.0
+            if mask[node, i]:
+                held = work.internal[node, i] - external[node, i]
+                flow[1] += (held if rate > 0.0 else 0.5 * (held + reaction[node, i])) * delta
+            reaction[node, i] = held
+            flow[0] += 0.5 * (external[node, i] + before[node, i]) * delta
+            flow[2 + i] += external[node, i] + held
+        f = [external[node, i] + reaction[node, i] for i in range(3)]
+        m = [0.5 * (y[i] + y[12 + i]) for i in range(3)]
+        flow[5] += m[1] * f[2] - m[2] * f[1]
+        flow[6] += m[2] * f[0] - m[0] * f[2]
+        flow[7] += m[0] * f[1] - m[1] * f[0]
+        # R ← R (3 − RᵀR)/2: round-off of many products does not pile up
+        for k in range(3):
+            for c in range(3):
+                turn[c] = y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
+            turn[k] -= 1.0
+            for i in range(3):
+                s = 0.0
+                for c in range(3):
+                    s += y[3 + 3 * c + i] * turn[c]
+                work.rotation[3 * k + i] = y[3 + 3 * k + i] - 0.5 * s
+        for i in range(9):
+            y[3 + i] = work.rotation[i]
+        for i in range(12):
+            if rate > 0.0:
+                y[24 + i] = rate * (y[i] - y[12 + i]) - y[24 + i]
+            y[12 + i] = y[i]
+    books(tables, work, x, totals, strains)

@@ -1,0 +1,194 @@
+"""Scalar expressions, recorded: an element is written once, as plain Python over scalars.
+
+Run with :class:`Sym` arguments, such a function leaves a list of operations (+ − × ÷ only) with common
+subexpressions merged. From that list come the tangent (:func:`derivative`), the SIMD machine code
+(:mod:`directrix.kernels.compile`) and the operation counts. Run with float, complex or SymPy numbers the
+same function is its own reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+__all__ = ["Graph", "Sym", "cross", "derivative", "dot", "needed"]
+
+Op = Literal["in", "const", "add", "sub", "mul", "div"]
+Number = float | int
+
+
+@dataclass(eq=False)
+class Graph:
+    """Operations in the order they were first met; equal operations are one."""
+
+    ops: list[tuple[Op, float | int | str, int]] = field(default_factory=lambda: [])
+    _seen: dict[tuple[Op, float | int | str, int], int] = field(default_factory=lambda: {})
+
+    def _intern(self, op: Op, a: float | int | str, b: int = -1) -> Sym:
+        key = (op, a, b)
+        index = self._seen.get(key)
+        if index is None:
+            index = self._seen[key] = len(self.ops)
+            self.ops.append(key)
+        return Sym(self, index)
+
+    def inputs(self, array: str, count: int) -> list[Sym]:
+        """``count`` inputs, read from consecutive places of the argument ``array``."""
+        return [self._intern("in", array, k) for k in range(count)]
+
+    def const(self, value: Number) -> Sym:
+        """A number."""
+        return self._intern("const", float(value))
+
+    def value_of(self, index: int) -> float | None:
+        """The number behind a constant, None for anything else."""
+        op, a, _ = self.ops[index]
+        return float(a) if op == "const" else None
+
+    def add(self, a: Sym, b: Sym) -> Sym:
+        """a + b."""
+        x, y = self.value_of(a.index), self.value_of(b.index)
+        if x is not None and y is not None:
+            return self.const(x + y)
+        if x == 0.0:
+            return b
+        if y == 0.0:
+            return a
+        return self._intern("add", min(a.index, b.index), max(a.index, b.index))
+
+    def sub(self, a: Sym, b: Sym) -> Sym:
+        """a − b."""
+        x, y = self.value_of(a.index), self.value_of(b.index)
+        if x is not None and y is not None:
+            return self.const(x - y)
+        if y == 0.0:
+            return a
+        if a.index == b.index:
+            return self.const(0.0)
+        return self._intern("sub", a.index, b.index)
+
+    def mul(self, a: Sym, b: Sym) -> Sym:
+        """a · b."""
+        x, y = self.value_of(a.index), self.value_of(b.index)
+        if x is not None and y is not None:
+            return self.const(x * y)
+        if x == 0.0 or y == 0.0:
+            return self.const(0.0)
+        if x == 1.0:
+            return b
+        if y == 1.0:
+            return a
+        return self._intern("mul", min(a.index, b.index), max(a.index, b.index))
+
+    def div(self, a: Sym, b: Sym) -> Sym:
+        """a / b."""
+        x, y = self.value_of(a.index), self.value_of(b.index)
+        if y is not None:
+            return self.mul(a, self.const(1.0 / y))
+        if x == 0.0:
+            return a
+        return self._intern("div", a.index, b.index)
+
+
+@dataclass(frozen=True, slots=True)
+class Sym:
+    """One recorded scalar; supports + − × ÷ and unary minus with itself and with numbers."""
+
+    graph: Graph
+    index: int
+
+    def _lift(self, other: Sym | Number) -> Sym:
+        return other if isinstance(other, Sym) else self.graph.const(other)
+
+    def __add__(self, other: Sym | Number) -> Sym:
+        return self.graph.add(self, self._lift(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Sym | Number) -> Sym:
+        return self.graph.sub(self, self._lift(other))
+
+    def __rsub__(self, other: Number) -> Sym:
+        return self.graph.sub(self._lift(other), self)
+
+    def __mul__(self, other: Sym | Number) -> Sym:
+        return self.graph.mul(self, self._lift(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Sym | Number) -> Sym:
+        return self.graph.div(self, self._lift(other))
+
+    def __rtruediv__(self, other: Number) -> Sym:
+        return self.graph.div(self._lift(other), self)
+
+    def __neg__(self) -> Sym:
+        return self.graph.sub(self.graph.const(0.0), self)
+
+
+def dot(a: Sequence, b: Sequence):
+    """a · b of two 3-tuples of any scalars."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence, b: Sequence) -> tuple:
+    """a × b of two 3-tuples of any scalars."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def needed(graph: Graph, outputs: Iterable[Sym]) -> list[int]:
+    """Indices of what the outputs depend on, in the order of a depth-first visit of the outputs in turn.
+
+    Each value is computed shortly before it is first used, which keeps the number of live values small.
+    """
+    order: list[int] = []
+    done: set[int] = set()
+    for out in outputs:
+        stack = [(out.index, False)]
+        while stack:
+            index, ready = stack.pop()
+            if index in done:
+                continue
+            op, a, b = graph.ops[index]
+            if ready or op in ("in", "const"):
+                done.add(index)
+                order.append(index)
+                continue
+            stack.append((index, True))
+            stack.append((b, False))
+            stack.append((int(a), False))
+    return order
+
+
+def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Number]) -> list[Sym]:
+    """Directional derivative of the outputs, forward mode.
+
+    ``seed`` gives the derivative of some values (inputs or not) in the direction; every input that it does
+    not name is held fixed. Values named in the seed are not differentiated further.
+    """
+    zero = graph.const(0.0)
+    d: dict[int, Sym] = {s.index: zero._lift(v) for s, v in seed.items()}
+    for index in needed(graph, outputs):
+        if index in d:
+            continue
+        op, a, b = graph.ops[index]
+        if op in ("in", "const"):
+            continue
+        da, db = d.get(int(a)), d.get(b)
+        if da is None and db is None:
+            continue
+        da, db = da or zero, db or zero
+        x, y = Sym(graph, int(a)), Sym(graph, b)
+        match op:
+            case "add":
+                value = da + db
+            case "sub":
+                value = da - db
+            case "mul":
+                value = da * y + x * db
+            case _:
+                value = (da - Sym(graph, index) * db) / y
+        if graph.value_of(value.index) != 0.0:
+            d[index] = value
+    return [d.get(out.index, zero) for out in outputs]

@@ -1,0 +1,87 @@
+"""Collects the saved instants of a run and turns them into a Result."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.audit import Audit
+from directrix.discretisation import Discretisation
+from directrix.newton import Books
+from directrix.result import Energy, Momentum, Result, Status
+
+Array = NDArray[np.float64]
+
+__all__ = ["Progress", "Recorder"]
+
+Progress = Callable[[float, str], None]
+
+
+class Recorder:
+    """Grows one row per saved instant; arrays are copied, so the solver may reuse its own."""
+
+    def __init__(self, disc: Discretisation, kind: Literal["static", "dynamic"]) -> None:
+        self.disc, self.kind = disc, kind
+        self.rows: list[tuple[Array, ...]] = []
+        self.iterations: list[int] = []
+        self.started = time.perf_counter()
+
+    def keep(self, t: float, factor: float, x: Array, books: Books, ledger: tuple[float, float]) -> None:
+        """Save an instant; ``ledger`` is the work of all kinds and the prescribed part, since the start."""
+        n = len(x)
+        rotations = [x[:, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
+        scalars = np.array([t, factor, *ledger])
+        self.rows.append(
+            (
+                scalars, x[:, :3].copy(), rotations[0], x[:, 24:27].copy(), rotations[1],
+                books.reaction.copy(), books.strains.copy(), books.totals.copy(),
+            )
+        )  # fmt: skip
+
+    def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
+        """Everything saved so far as a Result."""
+        scalars, r, rotation, v, rates, reaction, strain, totals = (
+            np.stack(column) for column in zip(*self.rows, strict=True)
+        )
+        about = {
+            "directrix": _version("directrix"),
+            "python": platform.python_version(),
+            **{name: _version(name) for name in ("numpy", "scipy", "numba", "h5py")},
+            "elements": self.disc.elements,
+            "nodes": self.disc.nodes,
+            "solver": "chain" if self.disc.pattern.chain else "sparse",
+            "wall_seconds": time.perf_counter() - self.started,
+        }
+        return Result(
+            kind=self.kind,
+            name=self.disc.model.name,
+            mesh=self.disc.mesh,
+            t=scalars[:, 0],
+            load_factor=scalars[:, 1],
+            r=r,
+            R=rotation,
+            v=v,
+            Rdot=rates,
+            reaction=reaction,
+            strain=strain,
+            force=self.disc.section_force(strain),
+            energy=Energy(totals[:, 1], totals[:, 0], scalars[:, 2], scalars[:, 3], np.zeros(len(r))),
+            momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
+            iterations=np.array(self.iterations, np.int64),
+            status=status,
+            audit=audit,
+            info={**about, **info},
+        )
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,264 @@
+"""What a run gives back: plain arrays, a status and the audit. Knows no solver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.errors import ModelError
+
+if TYPE_CHECKING:
+    from directrix.audit import Audit
+    from directrix.plot import Plots
+
+Array = NDArray[np.float64]
+
+__all__ = ["Energy", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status"]
+
+
+@dataclass(frozen=True)
+class RodMesh:
+    """One rod as it was meshed: where its nodes and its stress stations are.
+
+    Attributes
+    ----------
+    name : the rod's name
+    nodes : (m,) indices of the rod's nodes, in the direction of the rod
+    s : (m,) arclength of those nodes on the reference axis
+    directors : (m, 3, 3) reference directors at those nodes, columns d1, d2, d3
+    order : polynomial order of its elements; (m − 1)/order elements
+    stations : (q,) arclength of the stress (Gauss) points
+    first_station : index of the first of them in ``Result.strain``
+    outline : (k, 2) closed polygon of the section in (d1, d2), or (0, 2) when the section has no shape
+    """
+
+    name: str
+    nodes: NDArray[np.int64]
+    s: Array
+    directors: Array
+    order: int
+    stations: Array
+    first_station: int
+    outline: Array
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The discretised model as a result needs it: names and places, no mechanics.
+
+    ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
+    ``notes`` are sentences about what meshing changed.
+    """
+
+    rods: tuple[RodMesh, ...]
+    node_names: Mapping[str, int]
+    r0: Array
+    notes: tuple[str, ...] = ()
+
+    def rod(self, name: str) -> RodMesh:
+        """The rod called ``name``; raises ModelError with the names there are."""
+        for rod in self.rods:
+            if rod.name == name:
+                return rod
+        raise ModelError(
+            f"there is no rod {name!r}", f"rods: {', '.join(r.name for r in self.rods)}"
+        )
+
+    def node(self, name: str | int) -> int:
+        """Index of a node given by name or index; raises ModelError with the names there are."""
+        if isinstance(name, str):
+            if name in self.node_names:
+                return self.node_names[name]
+            raise ModelError(f"there is no node {name!r}", f"nodes: {', '.join(self.node_names)}")
+        if 0 <= name < len(self.r0):
+            return int(name)
+        raise ModelError(f"there is no node {name}", f"node indices are 0 … {len(self.r0) - 1}")
+
+    def label(self, index: int) -> str:
+        """A name a user recognises: the node's own, or its place on a rod."""
+        for name, k in self.node_names.items():
+            if k == index:
+                return name
+        for rod in self.rods:
+            hit = np.flatnonzero(rod.nodes == index)
+            if hit.size:
+                return f"{rod.name} at s = {rod.s[hit[0]]:.4g}"
+        return f"node {index}"
+
+
+@dataclass(frozen=True)
+class Status:
+    """How a run ended. ``code`` is for programs, ``sentence`` and ``advice`` for people.
+
+    Codes: ``done``, ``not_converged``, ``non_finite``, ``singular``, ``interrupted``, ``stopped``.
+    """
+
+    code: str
+    sentence: str
+    advice: str = ""
+
+    @property
+    def success(self) -> bool:
+        """True when everything that was asked for was computed."""
+        return self.code in ("done", "stopped")
+
+    def __str__(self) -> str:
+        return self.sentence + (f" {self.advice}" if self.advice else "")
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies at the saved instants, each (nt,).
+
+    ``work`` is all that came in from outside since the start, by loads and by prescribed motion
+    (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
+    ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
+    for a conserving step.
+    """
+
+    kinetic: Array
+    stored: Array
+    work: Array
+    prescribed: Array
+    dissipated: Array
+
+    @cached_property
+    def total(self) -> Array:
+        """Kinetic plus stored energy (nt,)."""
+        return self.kinetic + self.stored
+
+    @cached_property
+    def residual(self) -> Array:
+        """What the ledger does not explain (nt,)."""
+        return self.total - self.total[0] - self.work + self.dissipated
+
+
+@dataclass(frozen=True)
+class Momentum:
+    """Linear and angular momentum (about the origin) at the saved instants, each (nt, 3)."""
+
+    linear: Array
+    angular: Array
+
+
+@dataclass(frozen=True)
+class NodeHistory:
+    """A node through the run.
+
+    ``r`` (nt, 3) position, ``R`` (nt, 3, 3) rotation from the reference, ``v`` (nt, 3) velocity,
+    ``displacement`` (nt, 3), ``reaction`` (nt, 6): force (3) and moment (3) that supports exert on the
+    node, in the global frame (dynamics: over the step that ends at t; zero at the start).
+    """
+
+    r: Array
+    R: Array
+    v: Array
+    displacement: Array
+    reaction: Array
+
+
+@dataclass(frozen=True)
+class RodHistory:
+    """A rod through the run: ``strain`` and ``force`` (nt, stations, 6) at arclengths ``s`` (stations,).
+
+    Components (shear 1, shear 2, axial, bending 1, bending 2, torsion) in the section's frame.
+    """
+
+    s: Array
+    strain: Array
+    force: Array
+
+
+@dataclass(frozen=True)
+class Result:
+    """Everything a run computed, at ``nt`` saved instants of ``n`` nodes.
+
+    Attributes
+    ----------
+    kind : "static" or "dynamic"
+    name : title of the case
+    mesh : names and places
+    t : (nt,) time (statics: the load factor)
+    load_factor : (nt,) load factor (dynamics: ones)
+    r, R : (nt, n, 3) positions and (nt, n, 3, 3) rotations from the reference
+    v, Rdot : (nt, n, 3) velocities and (nt, n, 3, 3) generalised rotation rates (dR/dt of the scheme,
+        from which every director velocity follows); zero in statics
+    reaction : (nt, n, 6) support forces and moments on the nodes
+    strain, force : (nt, stations, 6)
+    energy, momentum : histories
+    iterations : (steps,) Newton iterations of every step taken
+    status : how it ended
+    audit : the books of every step, and the verdict
+    info : what ran: versions, integrator, formulation, step, tolerance, wall time
+    """
+
+    kind: Literal["static", "dynamic"]
+    name: str
+    mesh: Mesh
+    t: Array
+    load_factor: Array
+    r: Array
+    R: Array
+    v: Array
+    Rdot: Array
+    reaction: Array
+    strain: Array
+    force: Array
+    energy: Energy
+    momentum: Momentum
+    iterations: NDArray[np.int64]
+    status: Status
+    audit: Audit
+    info: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def success(self) -> bool:
+        """True when everything that was asked for was computed."""
+        return self.status.success
+
+    def node(self, name: str | int) -> NodeHistory:
+        """History of one node, by name or index; raises ModelError for an unknown one."""
+        k = self.mesh.node(name)
+        r = self.r[:, k]
+        return NodeHistory(r, self.R[:, k], self.v[:, k], r - self.mesh.r0[k], self.reaction[:, k])
+
+    def rod(self, name: str) -> RodHistory:
+        """History of one rod, by name; raises ModelError for an unknown one."""
+        rod = self.mesh.rod(name)
+        part = slice(rod.first_station, rod.first_station + len(rod.stations))
+        return RodHistory(rod.stations, self.strain[:, part], self.force[:, part])
+
+    def directors(self, name: str) -> Array:
+        """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""
+        rod = self.mesh.rod(name)
+        return self.R[:, rod.nodes] @ rod.directors
+
+    @cached_property
+    def plot(self) -> Plots:
+        """Pictures: ``shape``, ``motion``, ``energy``, ``momentum``, ``history``; needs matplotlib."""
+        from directrix.plot import Plots
+
+        return Plots(self)
+
+    def view(self, path: str | PathLike[str]) -> str:
+        """Write one self-contained HTML page (orbit, time slider, directors); returns its path."""
+        from directrix.viewer import write_html
+
+        return write_html(self, path)
+
+    def save(self, path: str | PathLike[str]) -> str:
+        """Write one HDF5 file that ParaView opens (VTKHDF) and ``dx.load`` reads; returns its path."""
+        from directrix.storage.vtkhdf import save
+
+        return save(self, path)
+
+    def __str__(self) -> str:
+        from directrix.audit import report
+
+        return report(self)
