@@ -54,7 +54,7 @@ class LoadTerm:
 class Pattern(NamedTuple):
     """Block rows of the condensed system. ``row`` (n,) of every node, −1 for interior ones; the blocks of a
     row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` (elements, 4) are the
-    blocks (a, a), (a, b), (b, a), (b, b) of an element's ends."""
+    blocks (a, a), (b, a), (a, b), (b, b) of an element's ends."""
 
     chain: bool
     row: Ints
@@ -275,7 +275,7 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     rowptr = np.cumsum([0, *(len(r) for r in rows)])
     at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
     dest = [
-        (at[ra][ra], at[ra][rb], at[rb][ra], at[rb][rb])
+        (at[ra][ra], at[rb][ra], at[ra][rb], at[rb][rb])
         for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
     ]
     return Pattern(

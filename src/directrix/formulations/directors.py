@@ -243,7 +243,8 @@ def _coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], firs
 
 
 def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym]]:
-    """Residual (6 nn), and behind it the tangent (6 nn × 6 nn, column after column) if asked for.
+    """Residual (6 nn), and behind it the tangent if asked for: for each b, each a the block
+    (6, 6) of the forces on node a by the increments of node b, by rows.
 
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
@@ -256,7 +257,7 @@ def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[
     out = residual(layout, rule, q1, q0, v0, p, dt)
     if not tangent:
         return graph, out
-    tangent_columns: list[Sym] = []
+    columns: list[list[Sym]] = []
     for node in q1:
         for k in range(6):
             e = [1.0 if c == k % 3 else 0.0 for c in range(3)]
@@ -264,8 +265,15 @@ def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[
                 seed = {node[0][c]: e[c] for c in range(3)}
             else:
                 seed = {d[c]: turned for d in node[1:] for c, turned in enumerate(cross(e, d))}
-            tangent_columns += derivative(graph, out, seed)
-    return graph, out + tangent_columns
+            columns.append(derivative(graph, out, seed))
+    blocks = [
+        columns[6 * b + j][6 * a + i]
+        for b in range(layout.nn)
+        for a in range(layout.nn)
+        for i in range(6)
+        for j in range(6)
+    ]
+    return graph, out + blocks
 
 
 def record_audit(layout: Layout) -> tuple[Graph, list[Sym]]:

@@ -2,12 +2,14 @@
 # pyright: basic
 
 import numpy as np
-from numba import njit
+
+from directrix.kernels.call import call_kernel
+from directrix.kernels.jit import compiled
 
 __all__ = ["solve_chain"]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _reduce(w):
     """Gauss–Jordan with row pivoting on the left 6×6 of the 6×16 rows ``w``; smallest |pivot| / largest."""
     low, high = np.inf, 0.0
@@ -33,44 +35,48 @@ def _reduce(w):
     return low / high
 
 
-@njit(cache=True, error_model="numpy")
-def solve_chain(blocks, rhs, factors, du):
+@compiled
+def _eliminate(row, before, rhs, out):
+    """What the machine code of :mod:`elimination` does, with pivoting; smallest |pivot| / largest."""
+    w = np.zeros((6, 16))
+    for r in range(6):
+        for c in range(6):
+            w[r, c] = row[1, r, c]
+            w[r, 8 + c] = row[2, r, c]
+        w[r, 14] = rhs[r]
+        for k in range(6):
+            f = row[0, r, k]
+            for c in range(6):
+                w[r, c] -= f * before[8 * k + c]
+            w[r, 14] -= f * before[8 * k + 6]
+    quality = _reduce(w)
+    for r in range(6):
+        for c in range(8):
+            out[8 * r + c] = w[r, 8 + c]
+    return quality
+
+
+@compiled
+def solve_chain(eliminate, blocks, rhs, factors, du):
     """du = K⁻¹ rhs for a block tridiagonal K; returns the row of a vanishing pivot, or −1.
 
-    ``blocks`` (n, 3, 6, 6) are (left, own, right) of every row; ``rhs`` and ``du`` (n, 6);
-    ``factors`` (n, 6, 8) is workspace: D⁻¹U (6×6), D⁻¹b (6), unused.
+    ``eliminate`` is the address of the fast elimination. ``blocks`` (≥ 3n + 1, 6, 6): rows of (left, own, right),
+    the left of the first and the right of the last row zero; ``rhs`` and ``du`` (n, 6); ``factors`` (n + 1, 56) is
+    workspace whose first row is zero, then per row D⁻¹U and D⁻¹b as six rows of eight, and a flag.
     """
-    n = blocks.shape[0]
-    w = np.zeros((6, 16))
+    n = rhs.shape[0]
     for i in range(n):
-        own, right = blocks[i, 1], blocks[i, 2]
-        for r in range(6):
-            for c in range(6):
-                w[r, c] = own[r, c]
-                w[r, 8 + c] = right[r, c]
-            w[r, 14] = rhs[i, r]
-        if i > 0:
-            left, before = blocks[i, 0], factors[i - 1]
-            for r in range(6):
-                for k in range(6):
-                    f = left[r, k]
-                    for c in range(8):
-                        w[r, 8 + c] -= f * before[k, c]
-                # D − L (D⁻¹U): what was subtracted on the right belongs to the own block
-                for c in range(6):
-                    w[r, c] += w[r, 8 + c] - right[r, c]
-                    w[r, 8 + c] = right[r, c]
-        if _reduce(w) < 1e-300:
+        row, out = blocks[3 * i : 3 * i + 3], factors[i + 1]
+        call_kernel(eliminate, row, factors[i], 0, rhs[i], out)
+        if out[48] != 1.0 and not _eliminate(row, factors[i], rhs[i], out) > 1e-300:
             return i
-        for r in range(6):
-            for c in range(8):
-                factors[i, r, c] = w[r, 8 + c]
     for r in range(6):
-        du[n - 1, r] = factors[n - 1, r, 6]
+        du[n - 1, r] = factors[n, 8 * r + 6]
     for i in range(n - 2, -1, -1):
+        out = factors[i + 1]
         for r in range(6):
-            s = factors[i, r, 6]
+            s = out[8 * r + 6]
             for c in range(6):
-                s -= factors[i, r, c] * du[i + 1, c]
+                s -= out[8 * r + c] * du[i + 1, c]
             du[i, r] = s
     return -1

@@ -1,7 +1,8 @@
 """From recorded scalars to machine code: one element per SIMD lane.
 
-A kernel is ``void k(double *x, double *p, double *g, double *out)``: ``x`` nodal values and ``p`` element
-parameters as ``[component][lane]``, ``g`` scalars common to all lanes, ``out`` as ``[component][lane]``.
+A kernel is ``void k(double *x, double *p, double *g, double *out)``: nodal values ``x`` and results ``out``
+have one row a lane (its length rounded up to whole vectors), element parameters ``p`` are
+``[parameter][lane]``, ``g`` are scalars common to all lanes. Rows are turned into lanes inside.
 Multiplications and additions may be contracted to FMA; nothing else is relaxed, so a result does not depend on the lane.
 """
 
@@ -21,7 +22,7 @@ import llvmlite.binding as llvm
 
 from directrix.kernels.trace import Graph, Sym, needed
 
-__all__ = ["LANES", "cache_dir", "kernel_address"]
+__all__ = ["LANES", "cache_dir", "kernel_address", "padded", "text_address"]
 
 
 @cache
@@ -52,44 +53,81 @@ def cache_dir() -> Path:
     return (Path(home) if home else Path.home() / ".cache") / "directrix"
 
 
-def llvm_ir(graph: Graph, outputs: Sequence[Sym], name: str, lanes: int) -> str:
+def padded(count: int) -> int:
+    """Places that ``count`` numbers take in a buffer with one row a lane."""
+    return -(-count // LANES) * LANES
+
+
+def _interleaved(vectors: list[str], vec: str, tag: str, lines: list[str]) -> list[str]:
+    """Transpose of ``len(vectors)`` vectors of as many lanes: log2 rounds of interleaving halves."""
+    n = len(vectors)
+    for turn in range(n.bit_length() - 1):
+        mixed: list[str] = []
+        for i in range(n // 2):
+            for half in range(2):
+                picks = [f"i32 {(half * n // 2 + k // 2) + (n if k % 2 else 0)}" for k in range(n)]
+                name = f"%m{tag}_{turn}_{i}_{half}"
+                lines.append(
+                    f"{name} = shufflevector {vec} {vectors[i]}, {vec} {vectors[i + n // 2]}, "
+                    f"<{n} x i32> <{', '.join(picks)}>"
+                )
+                mixed.append(name)
+        vectors = mixed
+    return vectors
+
+
+def llvm_ir(graph: Graph, outputs: Sequence[Sym], name: str) -> str:
     """LLVM text of a kernel that computes ``outputs``; inputs are named by ``x``, ``p`` or ``g``."""
+    lanes = LANES
     vec = f"<{lanes} x double>"
-    lines = [
-        f"define void @{name}(ptr noalias %x, ptr noalias %p, ptr noalias %g, ptr noalias %out) {{"
-    ]
-    where: dict[int, list[int]] = {}
-    for slot, out in enumerate(outputs):
-        where.setdefault(out.index, []).append(slot)
+    lines = [f"define void @{name}(ptr noalias %x, ptr noalias %p, ptr noalias %g, ptr noalias %out) {{"]
     text: dict[int, str] = {}
     instruction = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
+    used = {a: 1 + max(b for op, c, b in graph.ops if op == "in" and c == a) for a in ("x",)}
+    row_in, row_out = padded(used["x"]), padded(len(outputs))
+    rows: dict[int, list[str]] = {}
 
-    def pointer(tag: str, array: str, offset: int) -> None:
+    def at(tag: str, array: str, offset: int) -> str:
         lines.append(f"%e{tag} = getelementptr double, ptr %{array}, i64 {offset}")
+        return f"%e{tag}"
 
-    for index in needed(graph, outputs):
+    def load(tag: str, array: str, offset: int, kind: str) -> str:
+        place = at(tag, array, offset)
+        lines.append(f"%l{tag} = load {kind}, ptr {place}, align 8")
+        return f"%l{tag}"
+
+    def emit(index: int) -> None:
         op, a, b = graph.ops[index]
         if op == "const":
             bits = struct.pack(">d", float(a)).hex().upper()
             text[index] = "<" + ", ".join([f"double 0x{bits}"] * lanes) + ">"
         elif op == "in" and a == "g":
-            pointer(f"i{index}", "g", b)
-            lines.append(f"%s{index} = load double, ptr %ei{index}, align 8")
-            lines.append(f"%t{index} = insertelement {vec} undef, double %s{index}, i32 0")
+            one = load(f"g{b}", "g", b, "double")
             zeros = f"<{lanes} x i32> zeroinitializer"
+            lines.append(f"%t{index} = insertelement {vec} undef, double {one}, i32 0")
             lines.append(f"%v{index} = shufflevector {vec} %t{index}, {vec} undef, {zeros}")
             text[index] = f"%v{index}"
+        elif op == "in" and a == "p":
+            text[index] = load(f"p{b}", "p", b * lanes, vec)
         elif op == "in":
-            pointer(f"i{index}", str(a), b * lanes)
-            lines.append(f"%v{index} = load {vec}, ptr %ei{index}, align 8")
-            text[index] = f"%v{index}"
+            group = b // lanes
+            if group not in rows:
+                by_lane = [load(f"x{group}_{k}", "x", k * row_in + group * lanes, vec) for k in range(lanes)]
+                rows[group] = _interleaved(by_lane, vec, f"x{group}", lines)
+            text[index] = rows[group][b % lanes]
         else:
             flags = "" if op == "div" else "contract "
             lines.append(f"%v{index} = {instruction[op]} {flags}{vec} {text[int(a)]}, {text[b]}")
             text[index] = f"%v{index}"
-        for slot in where.get(index, ()):
-            pointer(f"o{slot}", "out", slot * lanes)
-            lines.append(f"store {vec} {text[index]}, ptr %eo{slot}, align 8")
+
+    done: set[int] = set()
+    for first in range(0, len(outputs), lanes):
+        part = outputs[first : first + lanes]
+        for index in needed(graph, part, done):
+            emit(index)
+        columns = [text[out.index] for out in part] + ["zeroinitializer"] * (lanes - len(part))
+        for k, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
+            lines.append(f"store {vec} {value}, ptr {at(f'o{first}_{k}', 'out', k * row_out + first)}, align 8")
     return "\n".join([*lines, "ret void", "}"])
 
 
@@ -122,6 +160,11 @@ def kernel_address(description: str, build: Callable[[], tuple[Graph, Sequence[S
     ``description`` names the kernel and everything ``build`` depends on beside the source code; ``build``
     records it and is called only when nothing usable is in the cache.
     """
+    return text_address(description, lambda name: llvm_ir(*build(), name))
+
+
+def text_address(description: str, text: Callable[[str], str]) -> int:
+    """Address of the function that ``text(name)`` defines in LLVM's language, compiled at most once per machine."""
     machine_key = f"{llvm.get_host_cpu_name()} {_target()[1]} {llvmlite.__version__} {LANES}"
     digest = hashlib.sha256(_sources() + machine_key.encode() + description.encode()).hexdigest()
     name = f"k{digest[:24]}"
@@ -131,8 +174,7 @@ def kernel_address(description: str, build: Callable[[], tuple[Graph, Sequence[S
     try:
         code = path.read_bytes()
     except OSError:
-        graph, outputs = build()
-        code = _object(llvm_ir(graph, outputs, name, LANES))
+        code = _object(text(name))
         _keep(path, code)
     engine = _engine()
     engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))

@@ -6,7 +6,8 @@
 # pyright: basic
 
 import numpy as np
-from numba import njit
+
+from directrix.kernels.jit import compiled
 
 from directrix.kernels.call import call_kernel
 from directrix.kernels.compile import LANES
@@ -17,18 +18,31 @@ __all__ = ["assemble", "books", "internal_forces"]
 STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, WIDTH = range(12)
 
 
-@njit(cache=True, error_model="numpy")
-def _gather(conn, first, count, nn, lanes, width, x, buffer):
-    """Nodal values of up to ``lanes`` elements into [component][lane]; short blocks repeat the last."""
-    for lane in range(lanes):
+@compiled
+def _gather(conn, first, count, nn, width, x, buffer):
+    """Nodal values of up to LANES elements, one row a lane; short blocks repeat the last."""
+    stride = -(-36 * nn // LANES) * LANES
+    for lane in range(LANES):
         e = first + min(lane, count - 1)
         for a in range(nn):
             node = conn[e * nn + a]
+            at = lane * stride + 36 * a
             for c in range(width):
-                buffer[(36 * a + c) * lanes + lane] = x[node, c]
+                buffer[at + c] = x[node, c]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
+def _scatter(out, conn, nn, internal, scale):
+    """Forces of one element, the first 6 nn of ``out``, onto its nodes."""
+    for a in range(nn):
+        node = conn[a]
+        for i in range(6):
+            value = out[6 * a + i]
+            internal[node, i] += value
+            scale[i // 3] = max(scale[i // 3], abs(value))
+
+
+@compiled
 def _condense(k, r, nn, eliminated, back):
     """Eliminate the interior nodes 1 … nn−2 of an element matrix ``k`` with right-hand side ``r``.
 
@@ -81,7 +95,7 @@ def _condense(k, r, nn, eliminated, back):
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def assemble(tables, work, x, g, external, mask, frozen):
     """Residual and tangent of the whole system, interior nodes condensed, supports applied.
 
@@ -89,7 +103,6 @@ def assemble(tables, work, x, g, external, mask, frozen):
     ``work.blocks`` and ``work.rhs`` = −(internal − external) on the free components. ``frozen`` also holds
     all rotations. Returns the element of a vanishing interior pivot, or −1.
     """
-    lanes = LANES
     internal, blocks, rhs, scale = work.internal, work.blocks, work.rhs, work.scale
     internal[:] = 0.0
     blocks[:] = 0.0
@@ -100,37 +113,35 @@ def assemble(tables, work, x, g, external, mask, frozen):
         nn, ne = head[NN], head[COUNT]
         nd = 6 * nn
         last = nd - 6
-        for block in range((ne + lanes - 1) // lanes):
-            first, count = block * lanes, min(lanes, ne - block * lanes)
-            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, head[WIDTH], x, work.buffer)
-            parameters = head[PAR] + block * lanes * head[SIZE]
+        stride = -(-(nd + nd * nd) // LANES) * LANES
+        for block in range(-(-ne // LANES)):
+            first, count = block * LANES, min(LANES, ne - block * LANES)
+            _gather(tables.conn[head[CONN] :], first, count, nn, head[WIDTH], x, work.buffer)
+            parameters = head[PAR] + block * LANES * head[SIZE]
             call_kernel(head[STEP], work.buffer, tables.par, parameters, g, work.out)
-            out = work.out
             for lane in range(count):
                 e = first + lane
+                out = work.out[lane * stride : (lane + 1) * stride]
                 conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
-                for a in range(nn):
-                    node = conn[a]
-                    for i in range(3):
-                        f, m = out[(6 * a + i) * lanes + lane], out[(6 * a + 3 + i) * lanes + lane]
-                        internal[node, i] += f
-                        internal[node, 3 + i] += m
-                        scale[0] = max(scale[0], abs(f))
-                        scale[1] = max(scale[1], abs(m))
+                _scatter(out, conn, nn, internal, scale)
                 to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
                 if nn == 2:
-                    for j in range(12):
-                        for i in range(12):
-                            value = out[(12 + 12 * j + i) * lanes + lane]
-                            blocks[to[2 * (i // 6) + j // 6], i % 6, j % 6] += value
+                    for b in range(4):
+                        target = blocks[to[b]]
+                        for i in range(6):
+                            for j in range(6):
+                                target[i, j] += out[12 + 36 * b + 6 * i + j]
                 else:
                     k, r = work.k, work.r
-                    for j in range(nd):
-                        for i in range(nd):
-                            k[i, j] = out[(nd + nd * j + i) * lanes + lane]
+                    for b in range(nn):
+                        for a in range(nn):
+                            at = nd + 36 * (nn * b + a)
+                            for i in range(6):
+                                for j in range(6):
+                                    k[6 * a + i, 6 * b + j] = out[at + 6 * i + j]
                     for i in range(6, last):
                         node = conn[i // 6]
-                        r[i] = external[node, i % 6] - out[i * lanes + lane]
+                        r[i] = external[node, i % 6] - out[i]
                         if frozen and i % 6 > 2:
                             r[i] = 0.0
                             for j in range(nd):
@@ -148,8 +159,8 @@ def assemble(tables, work, x, g, external, mask, frozen):
                         rhs[tables.row[conn[nn - 1]], i] += r[last + i]
                         for j in range(6):
                             blocks[to[0], i, j] += k[i, j]
-                            blocks[to[1], i, j] += k[i, last + j]
-                            blocks[to[2], i, j] += k[last + i, j]
+                            blocks[to[1], i, j] += k[last + i, j]
+                            blocks[to[2], i, j] += k[i, last + j]
                             blocks[to[3], i, j] += k[last + i, last + j]
     for node in range(x.shape[0]):
         row = tables.row[node]
@@ -167,63 +178,57 @@ def assemble(tables, work, x, g, external, mask, frozen):
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def internal_forces(tables, work, x, g):
     """Residual alone: ``work.internal`` (n, 6) and ``work.scale`` as in :func:`assemble`."""
-    lanes = LANES
     internal, scale, out = work.internal, work.scale, work.out
     internal[:] = 0.0
     scale[:] = 0.0
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne = head[NN], head[COUNT]
-        for block in range((ne + lanes - 1) // lanes):
-            first, count = block * lanes, min(lanes, ne - block * lanes)
-            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, head[WIDTH], x, work.buffer)
-            parameters = head[PAR] + block * lanes * head[SIZE]
+        stride = -(-6 * nn // LANES) * LANES
+        for block in range(-(-ne // LANES)):
+            first, count = block * LANES, min(LANES, ne - block * LANES)
+            _gather(tables.conn[head[CONN] :], first, count, nn, head[WIDTH], x, work.buffer)
+            parameters = head[PAR] + block * LANES * head[SIZE]
             call_kernel(head[RESIDUAL], work.buffer, tables.par, parameters, g, out)
             for lane in range(count):
-                for a in range(nn):
-                    node = tables.conn[head[CONN] + (first + lane) * nn + a]
-                    for i in range(3):
-                        f, m = out[(6 * a + i) * lanes + lane], out[(6 * a + 3 + i) * lanes + lane]
-                        internal[node, i] += f
-                        internal[node, 3 + i] += m
-                        scale[0] = max(scale[0], abs(f))
-                        scale[1] = max(scale[1], abs(m))
+                at = head[CONN] + (first + lane) * nn
+                _scatter(out[lane * stride :], tables.conn[at : at + nn], nn, internal, scale)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def books(tables, work, x, totals, strains):
     """Audit of a state (x1 and the rate): fills ``strains`` (stations, 6) and ``totals``.
 
     ``totals``: stored, kinetic, L (3), J (3), smallest Σ_i d_i·d_i between neighbouring nodes and its element,
     largest squared loss of orthonormality at a stress point.
     """
-    lanes = LANES
     totals[:] = 0.0
     totals[8] = 3.0
     out = work.out
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne, points = head[NN], head[COUNT], head[POINTS]
-        for block in range((ne + lanes - 1) // lanes):
-            first, count = block * lanes, min(lanes, ne - block * lanes)
-            _gather(tables.conn[head[CONN] :], first, count, nn, lanes, 36, x, work.buffer)
-            parameters = head[PAR] + block * lanes * head[SIZE]
+        stride = -(-(7 + nn + 7 * points) // LANES) * LANES
+        for block in range(-(-ne // LANES)):
+            first, count = block * LANES, min(LANES, ne - block * LANES)
+            _gather(tables.conn[head[CONN] :], first, count, nn, 36, x, work.buffer)
+            parameters = head[PAR] + block * LANES * head[SIZE]
             call_kernel(head[AUDIT], work.buffer, tables.par, parameters, work.dt, out)
             for lane in range(count):
                 e = first + lane
+                row = out[lane * stride : (lane + 1) * stride]
                 for c in range(8):
-                    totals[c] += out[c * lanes + lane]
+                    totals[c] += row[c]
                 for c in range(8, 7 + nn):
-                    if out[c * lanes + lane] < totals[8]:
-                        totals[8] = out[c * lanes + lane]
+                    if row[c] < totals[8]:
+                        totals[8] = row[c]
                         totals[9] = head[ELEMENT] + e
                 at = 7 + nn
                 for point in range(points):
-                    totals[10] = max(totals[10], out[at * lanes + lane])
-                    station = tables.station[head[ELEMENT] + e] + point
+                    totals[10] = max(totals[10], row[at])
                     for c in range(6):
-                        strains[station, c] = out[(at + 1 + c) * lanes + lane]
+                        strains[tables.station[head[ELEMENT] + e] + point, c] = row[at + 1 + c]
                     at += 7

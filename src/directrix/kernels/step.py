@@ -7,7 +7,8 @@ Mechanics stay in the element kernels; here are only positions, rotations, suppo
 from math import cos, sin, sqrt
 
 import numpy as np
-from numba import njit
+
+from directrix.kernels.jit import compiled
 
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, internal_forces
@@ -20,7 +21,7 @@ PHASE, ITERATION, FROZEN, BLAME = range(4)
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _rotation(t, cayley, out):
     """out (3, 3) = exp(t̂), or the Cayley transform of t."""
     s = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
@@ -45,7 +46,7 @@ def _rotation(t, cayley, out):
     out[2, 1] += a * t[0]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _advance(tables, work, x, frozen, cayley, limit):
     """Add the increments ``work.du`` of the end nodes and of the interior ones; largest displacement and turn.
 
@@ -96,7 +97,7 @@ def _advance(tables, work, x, frozen, cayley, limit):
     return moved, turned, -1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _imbalance(work, external, mask, tolerance, floor):
     """Largest unbalanced force or moment over what is allowed, and its node."""
     scale_f, scale_m = work.scale[0], work.scale[1]
@@ -116,7 +117,7 @@ def _imbalance(work, external, mask, tolerance, floor):
     return worst, at
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
@@ -138,7 +139,7 @@ def newton(tables, work, x, g, external, mask, options, control):
             control[PHASE] = 1
             if tables.chain == 0:
                 return SOLVE
-            row = solve_chain(work.blocks.reshape((-1, 3, 6, 6)), work.rhs, work.factors, work.du)
+            row = solve_chain(tables.eliminate, work.blocks, work.rhs, work.factors, work.du)
             if row >= 0:
                 control[BLAME] = tables.node_of_row[row]
                 return SINGULAR
@@ -163,7 +164,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 return NON_FINITE
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def finish(tables, work, x, external, before, mask, rate, totals, strains):
     """Books of a finished step, and x1 becomes x0.
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation, Group
 from directrix.formulations.directors import PER_NODE, Rule, record_audit, record_step
-from directrix.kernels.compile import LANES, kernel_address
+from directrix.kernels.compile import LANES, kernel_address, padded
+from directrix.kernels.elimination import elimination_address
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -21,6 +22,7 @@ class Tables(NamedTuple):
     """What never changes in a run. ``head`` has one row a group, see the names in ``elements``."""
 
     chain: int
+    eliminate: int
     head: Ints
     conn: Ints
     par: Array
@@ -96,6 +98,7 @@ def tables_for(disc: Discretisation, rule: Rule) -> Tables:
     pattern = disc.pattern
     return Tables(
         int(pattern.chain),
+        elimination_address(),
         np.array(head, np.int64),
         np.concatenate(conn),
         np.concatenate(par),
@@ -119,13 +122,13 @@ def work_for(disc: Discretisation) -> Work:
         internal=np.zeros((n, 6)),
         reaction=np.zeros((n, 6)),
         scale=np.zeros(2),
-        blocks=np.zeros((int(disc.pattern.rowptr[-1]), 6, 6)),
+        blocks=np.zeros((int(disc.pattern.rowptr[-1]) + 1, 6, 6)),
         rhs=np.zeros((rows, 6)),
         du=np.zeros((rows, 6)),
         step=np.zeros((n, 6)),
-        factors=np.zeros((rows, 6, 8)),
-        buffer=np.zeros(PER_NODE * most * LANES),
-        out=np.zeros(outputs * LANES),
+        factors=np.zeros((rows + 1, 56)),
+        buffer=np.zeros(padded(PER_NODE * most) * LANES),
+        out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
         eliminated=np.zeros((6 * most - 12, 6 * most - 12)),

@@ -137,13 +137,14 @@ def cross(a: Sequence, b: Sequence) -> tuple:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def needed(graph: Graph, outputs: Iterable[Sym]) -> list[int]:
+def needed(graph: Graph, outputs: Iterable[Sym], done: set[int] | None = None) -> list[int]:
     """Indices of what the outputs depend on, in the order of a depth-first visit of the outputs in turn.
 
     Each value is computed shortly before it is first used, which keeps the number of live values small.
+    What is in ``done`` is left out, and what is returned is added to it.
     """
     order: list[int] = []
-    done: set[int] = set()
+    done = set() if done is None else done
     for out in outputs:
         stack = [(out.index, False)]
         while stack:

@@ -1,0 +1,27 @@
+"""The decorator of the compiled loops."""
+# pyright: basic
+
+import hashlib
+from pathlib import Path
+
+from numba import njit
+from numba.core.caching import FunctionCache
+
+__all__ = ["compiled"]
+
+_FILES = sorted(Path(__file__).parent.glob("*.py"))
+_SOURCES = hashlib.sha256(b"\0".join(f.read_bytes() for f in _FILES)).hexdigest()
+
+
+class _Cache(FunctionCache):
+    """Numba looks for changes only in the file of the function itself; loops call loops in other files."""
+
+    def _index_key(self, sig, codegen):
+        return (*super()._index_key(sig, codegen), _SOURCES)
+
+
+def compiled(function):
+    """``numba.njit`` with a cache that notices a change in any file of this folder; division gives inf, not an error."""
+    dispatcher = njit(error_model="numpy", nogil=True)(function)
+    dispatcher._cache = _Cache(function)
+    return dispatcher

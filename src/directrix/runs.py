@@ -1,0 +1,204 @@
+"""The folder of a run: result file, machine-readable summary, monitor table, pictures."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from directrix.errors import InputError
+
+if TYPE_CHECKING:
+    from directrix.result import Result
+    from directrix.schema import Case
+
+__all__ = ["RunFolder", "exit_code", "summary"]
+
+RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "view.html"
+PICTURES = ("energy", "momentum", "motion")
+OURS = {RESULT, SUMMARY, MONITOR, VIEW, *(f"{p}.png" for p in PICTURES)}
+
+
+def exit_code(result: Result) -> int:
+    """0 done, 3 not converged, 4 the audit failed, 130 interrupted."""
+    if result.status.code == "interrupted":
+        return 130
+    if not result.success:
+        return 3
+    return 0 if result.audit.passed else 4
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """A folder that holds one run and nothing else."""
+
+    path: Path
+
+    @classmethod
+    def claim(cls, path: Path) -> RunFolder:
+        """Make the folder, or take over one that holds an earlier run; refuses any other (InputError)."""
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            names = {p.name for p in path.iterdir()}
+            # found out now, not after an hour of computing
+            probe = path / ".directrix-write-test"
+            probe.write_bytes(b"")
+            probe.unlink()
+        except FileExistsError:
+            raise InputError("is a file, not a folder", "name another folder with --out", str(path)) from None
+        except OSError as error:
+            raise InputError(
+                f"cannot be written: {error.strerror}", "name another folder with --out", str(path)
+            ) from None
+        foreign = sorted(names - OURS)
+        if foreign:
+            raise InputError(
+                f"holds files that are not of a run: {', '.join(foreign[:3])}{' …' if len(foreign) > 3 else ''}",
+                "name another folder with --out, or move them away",
+                str(path),
+            )
+        if names and not _is_summary(path / SUMMARY):
+            raise InputError(
+                f"holds {', '.join(sorted(names)[:3])} but no {SUMMARY} of a run, so nothing in it is overwritten",
+                "name another folder with --out, or move them away",
+                str(path),
+            )
+        return cls(path)
+
+    def write(self, case: Case, result: Result, view: bool = True) -> Iterator[Path]:
+        """Write everything, the result first; yields each path when its file is there."""
+        for name in OURS - {SUMMARY}:
+            (self.path / name).unlink(missing_ok=True)
+        saved = Path(result.save(self.path / RESULT))
+        (self.path / SUMMARY).write_text(
+            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+            encoding="utf-8",
+        )
+        yield saved
+        yield self.path / SUMMARY
+        yield _monitor(self.path / MONITOR, result)
+        if view:
+            yield Path(result.view(self.path / VIEW))
+        if can_draw():
+            yield from self._pictures(result)
+
+    def _pictures(self, result: Result) -> Iterator[Path]:
+        from matplotlib.figure import Figure
+
+        for name in PICTURES:
+            if result.kind == "static" and name == "momentum":
+                continue
+            figure = Figure(figsize=(7, 5), layout="constrained")
+            axes = figure.add_subplot(projection="3d" if name == "motion" else None)
+            getattr(result.plot, name)(ax=axes)
+            path = self.path / f"{name}.png"
+            figure.savefig(path, dpi=150)
+            yield path
+
+
+def can_draw() -> bool:
+    """True when matplotlib is installed."""
+    return find_spec("matplotlib") is not None
+
+
+def summary(case: Case, result: Result, saved: Path) -> dict[str, Any]:
+    """What ``run.json`` holds."""
+    energy, audit, steps = result.energy, result.audit, result.iterations
+    return {
+        "program": "directrix",
+        "title": case.title,
+        "status": {
+            "code": result.status.code,
+            "sentence": result.status.sentence,
+            "advice": result.status.advice,
+            "success": result.success,
+            "exit_code": exit_code(result),
+        },
+        "input": {"path": str(case.source), "sha256": case.sha256},
+        "result": {"path": saved.name, "sha256": hashlib.sha256(saved.read_bytes()).hexdigest()},
+        "kind": result.kind,
+        "info": dict(result.info),
+        "steps": {
+            "taken": int(steps.size),
+            "saved_instants": int(result.t.size),
+            "last_t": float(result.t[-1]),
+            "iterations": int(steps.sum()),
+            "most_iterations": int(steps.max(initial=0)),
+        },
+        "energy": {
+            name: {"first": float(h[0]), "last": float(h[-1]), "largest": float(abs(h).max())}
+            for name, h in (
+                ("kinetic", energy.kinetic),
+                ("stored", energy.stored),
+                ("total", energy.total),
+                ("work", energy.work),
+                ("dissipated", energy.dissipated),
+                ("residual", energy.residual),
+            )
+        },
+        "audit": {
+            "passed": audit.passed,
+            "verdict": audit.verdict,
+            "laws": [
+                {
+                    "law": e.law,
+                    "deviation": e.value,
+                    "limit": e.limit,
+                    "relative_to": e.relative_to,
+                    "claimed": e.claimed,
+                    "holds": e.holds,
+                }
+                for e in audit.entries
+            ],
+            "largest_turn_rad": audit.largest_turn,
+            "largest_turn_where": audit.largest_turn_where,
+            "director_loss": audit.director_loss,
+            "notes": list(audit.notes),
+        },
+    }
+
+
+def _monitor(path: Path, result: Result) -> Path:
+    """One row per saved instant, full precision."""
+    energy = result.energy
+    columns = {
+        "t" if result.kind == "dynamic" else "load_factor": result.t,
+        "kinetic": energy.kinetic,
+        "stored": energy.stored,
+        "total": energy.total,
+        "work": energy.work,
+        "dissipated": energy.dissipated,
+        "residual": energy.residual,
+        **{f"L{axis}": result.momentum.linear[:, k] for k, axis in enumerate("xyz")},
+        **{f"J{axis}": result.momentum.angular[:, k] for k, axis in enumerate("xyz")},
+    }
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
+    return path
+
+
+def _is_summary(path: Path) -> bool:
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(data, Mapping) and data.get("program") == "directrix"
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN: null stands for what is not a number."""
+    if isinstance(value, Mapping):
+        return {str(k): _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, str | int | float | bool | None) else str(value)

@@ -1,0 +1,173 @@
+"""Functions of time that a case file can name: frozen values that print, compare and pickle.
+
+In statics the argument is the load factor instead of the time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sin
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
+
+Array = NDArray[np.float64]
+Vec = tuple[float, float, float]
+
+__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "Sine", "Table", "Time", "VectorTable"]
+
+
+class Table(Strict):
+    """Piecewise linear through (t, value); constant before the first and after the last point."""
+
+    kind: Literal["table"] = "table"
+    t: Numbers
+    value: Numbers
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        _check_table(self.t, self.value)
+        return self
+
+    def __call__(self, t: float) -> float:
+        return float(np.interp(t, self.t, self.value))
+
+
+class Ramp(Strict):
+    """0 until ``start``, then linear, 1 from ``until`` on."""
+
+    kind: Literal["ramp"] = "ramp"
+    until: float
+    start: float = 0.0
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.until <= self.start:
+            raise refuse(f"until = {self.until:g} is not after start = {self.start:g}", "give a later until")
+        return self
+
+    def __call__(self, t: float) -> float:
+        return min(1.0, max(0.0, (t - self.start) / (self.until - self.start)))
+
+
+class Sine(Strict):
+    """mean + amplitude · sin(2π · frequency · t + phase)."""
+
+    kind: Literal["sine"] = "sine"
+    frequency: Positive
+    """Cycles per unit of time."""
+    amplitude: float = 1.0
+    phase: float = 0.0
+    """In radians."""
+    mean: float = 0.0
+
+    def __call__(self, t: float) -> float:
+        return self.mean + self.amplitude * sin(2.0 * pi * self.frequency * t + self.phase)
+
+
+class Pulse(Strict):
+    """Zero before ``start`` and after ``end``, 1 at its highest.
+
+    ``triangle`` rises to ``peak`` and falls to ``end``; with ``peak = end`` it is still 1 at ``end`` and gone
+    after it. ``half-sine`` and ``rectangle`` have their shape over the whole span.
+    """
+
+    kind: Literal["pulse"] = "pulse"
+    start: float = 0.0
+    end: float
+    peak: float | None = None
+    """Time of the highest point of a triangle, ``start`` and ``end`` included; the middle unless given."""
+    shape: Literal["triangle", "half-sine", "rectangle"] = "triangle"
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.end <= self.start:
+            raise refuse(f"end = {self.end:g} is not after start = {self.start:g}", "give a later end")
+        if self.peak is not None and self.shape != "triangle":
+            raise refuse(f"a {self.shape} has no peak to place", "leave peak out")
+        if self.peak is not None and not self.start <= self.peak <= self.end:
+            raise refuse(f"peak = {self.peak:g} is outside {self.start:g} … {self.end:g}", "put it between start and end")
+        return self
+
+    def __call__(self, t: float) -> float:
+        span = self.end - self.start
+        s = (t - self.start) / span
+        # the ends belong to the pulse, also when a sum of steps misses them by a rounding
+        if not -1e-9 <= s <= 1.0 + 1e-9:
+            return 0.0
+        if self.shape == "rectangle":
+            return 1.0
+        if self.shape == "half-sine":
+            return max(0.0, sin(pi * s))
+        peak = 0.5 if self.peak is None else (self.peak - self.start) / span
+        up = s / peak if peak > 0.0 else 1.0
+        down = (1.0 - s) / (1.0 - peak) if peak < 1.0 else 1.0
+        return min(1.0, max(0.0, min(up, down)))
+
+
+Time = Annotated[Table | Ramp | Sine | Pulse, Field(discriminator="kind")]
+
+
+class VectorTable(Strict):
+    """Vectors at given times, piecewise linear between them, constant outside."""
+
+    t: Numbers
+    value: Vectors
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        _check_table(self.t, self.value)
+        return self
+
+    def __call__(self, t: float) -> Array:
+        return np.array([np.interp(t, self.t, column) for column in zip(*self.value, strict=True)])
+
+
+def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
+    if len(t) != len(value):
+        raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
+    for a, b in zip(t, t[1:], strict=False):
+        if b <= a:
+            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table and drop repeated times")
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A vector (3,) times a factor of time."""
+
+    value: Vec
+    factor: Time
+
+    def __call__(self, t: float) -> Array:
+        return self.factor(t) * np.array(self.value)
+
+
+@dataclass(frozen=True)
+class Rotated:
+    """Displacement (3,) of a point that is carried along by a turn.
+
+    The point starts at ``position``, is moved by ``displacement`` and then turned about the line through
+    ``about`` by the rotation vector ``turn(t)``.
+    """
+
+    position: Vec
+    about: Vec
+    turn: Scaled
+    displacement: Scaled | VectorTable | None = None
+
+    def __call__(self, t: float) -> Array:
+        start, about = np.array(self.position), np.array(self.about)
+        moved = start if self.displacement is None else start + self.displacement(t)
+        return about + _turned(self.turn(t), moved - about) - start
+
+
+def _turned(rotation: Array, v: Array) -> Array:
+    """exp(rotation) v by Rodrigues' formula."""
+    angle = float(np.linalg.norm(rotation))
+    cross = np.cross(rotation, v)
+    # numpy's sinc(x) is sin(πx)/(πx); it keeps both quotients regular at zero
+    return v + np.sinc(angle / pi) * cross + 0.5 * np.sinc(0.5 * angle / pi) ** 2 * np.cross(rotation, cross)

@@ -1,0 +1,173 @@
+"""Read a case file: text → data → checked tables → Model, each step with the place of what is wrong."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from directrix.errors import InputError, ModelError
+from directrix.schema.build import build_model
+from directrix.schema.messages import Source, explain
+from directrix.schema.models import CaseFile, Dynamics, Output, Statics
+from directrix.schema.places import json_places, toml_places
+
+if TYPE_CHECKING:
+    from directrix.discretisation import Discretisation
+    from directrix.model import Model
+    from directrix.result import Result
+
+__all__ = ["Case", "json_schema", "load_case"]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case file, read and checked: a model, one analysis, and where they came from.
+
+    Attributes
+    ----------
+    title : from the file, or the file's name
+    description : from the file
+    model : rods, supports, loads
+    analysis : the ``[statics]`` or ``[dynamics]`` table
+    output : the ``[output]`` table
+    source : the file
+    sha256 : of the file's bytes
+    """
+
+    title: str
+    description: str
+    model: Model
+    analysis: Statics | Dynamics
+    output: Output
+    source: Path
+    sha256: str
+
+    def check(self) -> Discretisation:
+        """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
+        from directrix.discretisation import discretise
+
+        self.model.check()
+        return discretise(self.model, dynamic=isinstance(self.analysis, Dynamics))
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> Result:
+        """Solve it. Raises ModelError; a run that fails on the way is a Result with ``success`` False."""
+        from directrix.dynamics import simulate
+        from directrix.integrators import EnergyMomentum, Midpoint
+        from directrix.statics import solve_static
+
+        do, save_every = self.analysis, self.output.save_every
+        if isinstance(do, Statics):
+            return solve_static(
+                self.model, do.steps, tolerance=do.tolerance, save_every=save_every, progress=progress
+            )
+        return simulate(
+            self.model,
+            do.t_end,
+            do.dt,
+            integrator=EnergyMomentum() if do.integrator == "energy-momentum" else Midpoint(),
+            load_rule=do.load_rule,
+            tolerance=do.tolerance,
+            save_every=save_every,
+            progress=progress,
+        )
+
+
+def load_case(path: str | PathLike[str]) -> Case:
+    """Read a TOML or JSON case file.
+
+    Raises InputError, with file, line and key, for anything that cannot be right in the file or the model.
+    """
+    file = Path(path)
+    raw = _read(file)
+    source = _parse(file, raw)
+    try:
+        tables = CaseFile.model_validate(source.data)
+    except ValidationError as error:
+        raise explain(error.errors(include_url=False), source, CaseFile) from None
+    title = tables.title or file.stem
+    model = build_model(tables, title, source)
+    analysis = tables.statics or tables.dynamics
+    assert analysis is not None  # one of them, says the schema
+    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
+    try:
+        case.check()
+    except InputError:
+        raise
+    except ModelError as error:
+        raise InputError(error.what, error.fix, f"{source.name}: {error.where}".rstrip(": ")) from None
+    return case
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of a case file, for editors and for other programs."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **CaseFile.model_json_schema()}
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except FileNotFoundError:
+        raise InputError("there is no such file", "check the path; directrix examples lists ready cases", str(file)) from None
+    except IsADirectoryError:
+        raise InputError("this is a folder, not a case file", "name the .toml or .json file in it", str(file)) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", "check the permissions", str(file)) from None
+
+
+def _parse(file: Path, raw: bytes) -> Source:
+    if file.suffix.lower() not in (".toml", ".json"):
+        raise InputError(f"{file.suffix or 'no'} ending: not a case file", "case files end in .toml or .json", str(file))
+    try:
+        text = raw.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError("is not UTF-8 text", "save the file as UTF-8", f"{file}:{line}") from None
+    try:
+        if file.suffix.lower() == ".toml":
+            data, places = tomllib.loads(text), toml_places
+        else:
+            data, places = json.loads(text, object_pairs_hook=_unique), json_places
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax(file, text, str(error)) from None
+    except json.JSONDecodeError as error:
+        raise InputError(f"not valid JSON: {error.msg}", "mend the syntax near this place", f"{file}:{error.lineno}") from None
+    except _Twice as twice:
+        raise InputError(f"the key {twice} is given twice", "keep one of them", str(file)) from None
+    except RecursionError:
+        raise InputError("is nested too deeply", "a case file needs no such nesting", str(file)) from None
+    if not isinstance(data, dict):
+        raise InputError("the top of the file is not a table", "write an object in braces { … }", f"{file}:1")
+    return Source(str(file), data, places(text))
+
+
+def _syntax(file: Path, text: str, message: str) -> InputError:
+    """The parser's sentence carries the place; at the end of the file it says so in words."""
+    at = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)", message)
+    line = at[1] if at and at[1] else str(len(text.splitlines()) or 1)
+    reason = message[: at.start()] if at else message
+    fix = "mend the syntax at this place; texts stand in quotes, lists in brackets"
+    if at and at[2]:
+        fix += f" (column {at[2]})"
+    return InputError(f"not valid TOML: {reason}", fix, f"{file}:{line}")
+
+
+class _Twice(Exception):
+    pass
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> Mapping[str, Any]:
+    out: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in out:
+            raise _Twice(repr(key))
+        out[key] = value
+    return out

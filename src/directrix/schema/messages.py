@@ -1,0 +1,161 @@
+"""From what pydantic found to one message with file, line, key and a fix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, get_args
+
+from pydantic import BaseModel
+
+from directrix.errors import InputError
+from directrix.schema.places import Path
+
+__all__ = ["Source", "explain"]
+
+
+@dataclass(frozen=True)
+class Source:
+    """A case file that was read: its name for messages, its data, and the lines of its keys."""
+
+    name: str
+    data: Mapping[str, Any]
+    lines: Mapping[Path, int]
+
+    def where(self, loc: Sequence[str | int] = ()) -> str:
+        """``file.toml:12: rod[left].elements`` for a path; parts of it that the file does not have are passed over,
+        unless they are the last (a missing key is shown with the line of its table)."""
+        path, shown, value = (), "", self.data  # type: Path, str, Any
+        for n, part in enumerate(loc):
+            if (*path, part) in self.lines:
+                path = (*path, part)
+                value = value[part]
+                shown += _label(part, value) if isinstance(part, int) else f".{part}"
+            elif n == len(loc) - 1 and isinstance(part, str):
+                shown += f".{part}"
+        line = self.lines.get(path, 1)
+        return f"{self.name}:{line}" + (f": {shown.lstrip('.')}" if shown else "")
+
+
+def _label(index: int, item: object) -> str:
+    if isinstance(item, dict):
+        for key in ("name", "node", "rod"):
+            if isinstance(item.get(key), str):
+                return f"[{item[key]}]"
+        return f"[#{index + 1}]"
+    return f"[{index}]"
+
+
+def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[BaseModel]) -> InputError:
+    """One error for all that pydantic reported; the first in full, the rest a line each."""
+    # a misspelt key is the likely cause of the missing one beside it
+    order = sorted(errors, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
+    what, fix = _sentence(order[0], root)
+    rest = [f"{source.where(e['loc'])}: {_sentence(e, root)[0]}" for e in order[1:]]
+    if rest:
+        fix += "".join([f"\n  (and {len(rest)} more)", *(f"\n    {line}" for line in rest)])
+    return InputError(what, fix, source.where(order[0]["loc"]))
+
+
+def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str]:
+    """What is wrong and how to mend it, for one pydantic error."""
+    kind, given, limits = str(error["type"]), error["input"], error.get("ctx", {})
+    key = str(error["loc"][-1]) if error["loc"] else "the file"
+    shown = f"is {_show(given)}, but must be"
+    match kind:
+        case "case":
+            return str(limits["what"]), str(limits["fix"])
+        case "extra_forbidden":
+            known = _keys_at(root, error["loc"][:-1])
+            near = get_close_matches(key, known, 1, 0.5)
+            fix = f"did you mean {near[0]!r}? " if near else ""
+            return f"unknown key {key!r}", f"{fix}known here: {', '.join(known)}"
+        case "missing" if isinstance(error["loc"][-1], int):
+            return "too few entries", "give three numbers for a vector, two points for a line"
+        case "missing":
+            return f"{key!r} is missing", f"add {key} = …"
+        case "float_type":
+            return f"{shown} a number", "write it without quotes, e.g. 0.5"
+        case "finite_number":
+            return f"{shown} finite", "write an ordinary number; nan and inf are refused"
+        case "int_type" | "int_from_float":
+            return f"{shown} a whole number", "write it without a decimal point, e.g. 10"
+        case "string_type":
+            return f"{shown} a text", 'write it in quotes, e.g. "left"'
+        case "string_too_short" | "string_pattern_mismatch" | "string_too_long":
+            return f"{shown} a name of 1 to 80 characters without blanks around it", 'e.g. "left"'
+        case "bool_type":
+            return f"{shown} true or false", "write true or false, without quotes"
+        case "literal_error":
+            return f"{shown} {limits['expected']}", _nearest(given, str(limits["expected"]))
+        case "union_tag_invalid":
+            found = limits["tag"]
+            return f"there is no kind {found!r}", _nearest(found, str(limits["expected_tags"]))
+        case "union_tag_not_found":
+            return "'kind' is missing", "say which kind of table this is, e.g. kind = \"ramp\" or kind = \"circle\""
+        case "greater_than":
+            return f"{shown} greater than {limits['gt']:g}", "check the sign and the units"
+        case "greater_than_equal":
+            return f"{shown} at least {limits['ge']:g}", "check the sign and the units"
+        case "less_than":
+            return f"{shown} less than {limits['lt']:g}", "check the value"
+        case "less_than_equal":
+            return f"{shown} at most {limits['le']:g}", "check the value"
+        case "too_long":
+            return f"has {limits['actual_length']} entries, but takes {limits['max_length']}", "remove the others"
+        case "too_short":
+            return f"has {limits['actual_length']} entries, but needs {limits['min_length']}", "add the missing ones"
+        case "tuple_type" if isinstance(given, dict):
+            return "is one table, but there may be several", f"write the header as [[{key}]], with double brackets"
+        case "tuple_type":
+            return f"{shown} a list", "write it in brackets, e.g. [0, 0, 1]"
+        case "model_type" | "model_attributes_type" | "dict_type" if isinstance(given, list):
+            return "is a list of tables, but there is only one", f"write the header as [{key}], with single brackets"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return f"{shown} a table", f"write it as [{key}] or {{ … }}"
+        case _:
+            return f"{_show(given)}: {error['msg']}", "see: directrix schema"
+
+
+def _show(value: object) -> str:
+    """A value of the file in few characters."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case str():
+            text = f'the text "{value}"'
+        case list():
+            text = f"the list {value}"
+        case dict():
+            text = "a table"
+        case _:
+            text = str(value)
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
+def _nearest(given: object, expected: str) -> str:
+    words = [w.strip("' ") for w in expected.replace(" or ", ", ").split(",")]
+    near = get_close_matches(str(given), words, 1, 0.5)
+    return f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(words)}"
+
+
+def _keys_at(root: type[BaseModel], loc: Sequence[str | int]) -> list[str]:
+    """The keys that a table of the file may have."""
+    models = [root]
+    for part in loc:
+        found: list[type[BaseModel]] = []
+        for model in models:
+            if part in model.model_fields:
+                found += _models_in(model.model_fields[str(part)].annotation)
+            elif "kind" in model.model_fields and part in get_args(model.model_fields["kind"].annotation):
+                found = [model]
+                break
+        models = found or models
+    return [key for model in models for key in model.model_fields]
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models_in(part)]

@@ -1,0 +1,379 @@
+"""The case file as pydantic sees it: every table, key and bound. TOML and JSON share it.
+
+Units are whatever consistent set the user works in; angles are in radians unless the key says degrees.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
+from directrix.schema.functions import Time, VectorTable
+
+__all__ = ["CURVES", "CaseFile", "Dynamics", "Output", "Statics"]
+
+Row2 = Annotated[tuple[float, float], Field(strict=False)]
+Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
+
+# --- sections
+
+
+class Material(Strict):
+    """What the sections with a shape need of the material."""
+
+    E: Positive
+    """Young's modulus (force per area)."""
+    nu: Annotated[float, Field(gt=-1.0, le=0.5)]
+    """Poisson's ratio; G = E / (2 (1 + nu))."""
+    rho: NotNegative = 0.0
+    """Density (mass per volume); needed in dynamics and under gravity."""
+    shear_factor: Positive | None = None
+    """Shear factor; the formula of the shape unless given."""
+    torsion_constant: Positive | None = None
+    """Torsion constant (length⁴); the formula of the shape unless given."""
+
+
+class Circle(Material):
+    """Solid circle."""
+
+    kind: Literal["circle"]
+    radius: Positive
+
+
+class Rectangle(Material):
+    """Solid rectangle."""
+
+    kind: Literal["rectangle"]
+    width: Positive
+    """Size along d1."""
+    height: Positive
+    """Size along d2."""
+
+
+class Tube(Material):
+    """Round tube."""
+
+    kind: Literal["tube"]
+    outer: Positive
+    """Outer radius."""
+    wall: Positive
+    """Wall thickness."""
+
+
+class Properties(Strict):
+    """Area, second moments and material, as tables of profiles give them."""
+
+    kind: Literal["properties"]
+    E: Positive
+    """Young's modulus."""
+    nu: Annotated[float, Field(gt=-1.0, le=0.5)]
+    """Poisson's ratio; G = E / (2 (1 + nu))."""
+    A: Positive
+    """Area."""
+    I1: Positive
+    """Second moment for bending about d1, ∫ξ2² dA."""
+    I2: Positive
+    """Second moment for bending about d2, ∫ξ1² dA."""
+    J: Positive
+    """Torsion constant."""
+    shear_factor: Positive = 1.0
+    """GA1 = GA2 = shear_factor · G · A."""
+    rho: NotNegative = 0.0
+    """Density; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
+
+
+class Moduli(Strict):
+    """Principal stiffnesses."""
+
+    kind: Literal["moduli"]
+    EA: Positive
+    GA1: Positive
+    GA2: Positive
+    EI1: Positive
+    """Bending about d1."""
+    EI2: Positive
+    """Bending about d2."""
+    GJ: Positive
+    A_rho: NotNegative = 0.0
+    """Mass per length."""
+    I_rho1: NotNegative = 0.0
+    """∫ρ ξ1² dA, on d1 (belongs with EI2)."""
+    I_rho2: NotNegative = 0.0
+    """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
+
+
+class Matrix(Strict):
+    """Full 6×6 stiffness."""
+
+    kind: Literal["matrix"]
+    stiffness: Annotated[tuple[Row6, Row6, Row6, Row6, Row6, Row6], Field(strict=False)]
+    """Symmetric positive definite, by rows."""
+    order: Literal["shear-axial", "axial-first"]
+    """Order of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or with the axial one first."""
+    A_rho: NotNegative = 0.0
+    """Mass per length."""
+    I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
+    """∫ρ ξα ξβ dA, 2×2."""
+
+
+Section = Annotated[Circle | Rectangle | Tube | Properties | Moduli | Matrix, Field(discriminator="kind")]
+
+
+def _vector_or_table(value: object) -> str:
+    return "table" if isinstance(value, dict | VectorTable) else "vector"
+
+
+Motion = Annotated[
+    Annotated[Vector, Tag("vector")] | Annotated[VectorTable, Tag("table")], Discriminator(_vector_or_table)
+]
+
+
+# --- rods
+
+
+class Arc(Strict):
+    """Circular arc through three points."""
+
+    start: Vector
+    through: Vector
+    end: Vector
+
+
+class Helix(Strict):
+    """Circular helix."""
+
+    start: Vector
+    """Where it begins."""
+    centre: Vector
+    """A point of its axis; the radius is the distance of ``start`` from the axis."""
+    axis: Vector
+    """Direction of its axis; turns are right-handed about it."""
+    pitch: float
+    """Advance per turn."""
+    turns: Positive
+
+
+CURVES = ("line", "arc", "helix", "polyline", "spline")
+
+
+class Rod(Strict):
+    """One rod: a curve, a section, names of its ends, a mesh. Exactly one of line, arc, helix, polyline, spline."""
+
+    name: Name
+    section: Name
+    """Name of a ``[section.…]`` of this file."""
+    line: Annotated[tuple[Vector, Vector], Field(strict=False)] | None = None
+    """Straight from the first to the second point."""
+    arc: Arc | None = None
+    """Circular arc."""
+    helix: Helix | None = None
+    """Circular helix."""
+    polyline: Vectors | None = None
+    """Straight between the points."""
+    spline: Vectors | None = None
+    """Smooth through the points."""
+    d1: Vector | None = None
+    """Its part normal to the axis at the start is the first director; default: the Cartesian axis least aligned with the rod."""
+    directors: Literal["tangent", "chord"] = "tangent"
+    """Directors follow the curve, or the chord of every element."""
+    ends: Annotated[tuple[Name, Name], Field(strict=False)] | None = None
+    """Names of the end nodes; equal names join rods rigidly. Default: ``<name>.start``, ``<name>.end``."""
+    nodes: dict[Name, Annotated[float, Field(gt=0.0, lt=1.0)]] = {}
+    """Names of interior nodes, by their fraction of the arclength."""
+    elements: Annotated[int, Field(ge=1)]
+    order: Literal[1, 2, 3] = 2
+    """Polynomial order of the elements."""
+    points: Annotated[int, Field(ge=1)] | None = None
+    """Gauss points for the stresses of an element; default ``order``."""
+
+    @model_validator(mode="after")
+    def _one_curve(self) -> Self:
+        given = [key for key in CURVES if getattr(self, key) is not None]
+        if len(given) != 1:
+            has = f"has {' and '.join(given)}" if given else "has no curve"
+            raise refuse(f"rod {self.name!r} {has}", f"give exactly one of {', '.join(CURVES)}")
+        return self
+
+
+# --- supports, loads, initial motion
+
+
+class Support(Strict):
+    """A node that cannot move: ``type`` or the list of ``dofs``."""
+
+    node: Name
+    type: Literal["clamp", "pin"] | None = None
+    """``clamp`` holds position and rotation, ``pin`` the position."""
+    dofs: Annotated[tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...], Field(strict=False, min_length=1)] | None = None
+    """Components held, in the global frame."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.type is None) == (self.dofs is None):
+            raise refuse(
+                "a support needs either type or dofs", 'write type = "clamp", type = "pin" or e.g. dofs = ["x", "y"]'
+            )
+        return self
+
+
+class Turn(Strict):
+    """A rigid turn about a line: carries the node along and turns it."""
+
+    axis: Vector
+    """Direction of the line; right-handed."""
+    degrees: float
+    about: Vector = (0.0, 0.0, 0.0)
+    """A point of the line."""
+    time: Time | None = None
+    """Factor on ``degrees``; statics ramps it unless given, dynamics needs it."""
+
+    @model_validator(mode="after")
+    def _direction(self) -> Self:
+        if not any(self.axis):
+            raise refuse("axis = [0, 0, 0] has no direction", "give the direction of the line")
+        return self
+
+
+class Prescribe(Strict):
+    """A node that is moved: displacement and rotation vector from the reference, a rigid turn on top."""
+
+    node: Name
+    displacement: Motion | None = None
+    """Vector (times ``time``), or a table ``{ t = […], value = [[…], …] }``."""
+    rotation: Motion | None = None
+    """Rotation vector in radians (times ``time``), or a table."""
+    turn: Turn | None = None
+    """Rigid turn that follows the displacement."""
+    time: Time | None = None
+    """Factor on displacement and rotation given as vectors."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.displacement is None and self.rotation is None and self.turn is None:
+            raise refuse(f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn")
+        if self.rotation is not None and self.turn is not None:
+            raise refuse("rotation and turn both say how the node turns", "give one of them")
+        if self.time is not None and not any(isinstance(m, tuple) for m in (self.displacement, self.rotation)):
+            raise refuse("there is no vector that time could multiply", "leave time out: a table or a turn has its own")
+        return self
+
+
+class _Load(Strict):
+    value: Vector
+    """Vector in the global frame."""
+    time: Time | None = None
+    """Factor of time (statics: of the load factor, which multiplies the load as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: not multiplied by the load factor."""
+
+
+class Force(_Load):
+    """Dead force at a node."""
+
+    node: Name
+
+
+class Moment(_Load):
+    """Spatial moment at a node."""
+
+    node: Name
+
+
+class Distributed(_Load):
+    """Dead force per reference length along a rod."""
+
+    rod: Name
+
+
+class Gravity(_Load):
+    """Acceleration of free fall."""
+
+
+class Velocity(Strict):
+    """Initial velocity of one node."""
+
+    node: Name
+    v: Vector
+    omega: Vector = (0.0, 0.0, 0.0)
+
+
+class RigidVelocity(Strict):
+    """Initial velocity of the whole model: v + omega × (r − about)."""
+
+    v: Vector
+    omega: Vector = (0.0, 0.0, 0.0)
+    about: Vector = (0.0, 0.0, 0.0)
+
+
+# --- what to do
+
+
+class Statics(Strict):
+    """Equilibria while the load factor goes from 0 to 1."""
+
+    steps: Annotated[int, Field(ge=1)] = 10
+    """Equal parts of the load path; they are cut when needed."""
+    tolerance: Tolerance = 1e-9
+    """Unbalanced over largest element force."""
+
+
+class Dynamics(Strict):
+    """Motion from t = 0 to t_end."""
+
+    t_end: Positive
+    dt: Positive
+    """Time step; ``t_end`` must be a whole number of them."""
+    integrator: Literal["energy-momentum", "midpoint"] = "energy-momentum"
+    load_rule: Literal["midpoint", "average"] = "midpoint"
+    """A load acts over a step with its value at the middle, or with the mean of its end values."""
+    tolerance: Tolerance = 1e-9
+    """Unbalanced over largest element force."""
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> Self:
+        steps = max(1, round(self.t_end / self.dt))
+        if abs(steps * self.dt - self.t_end) > 1e-6 * self.dt:
+            raise refuse(
+                f"t_end = {self.t_end:g} is not a whole number of steps dt = {self.dt:g}",
+                f"use dt = {self.t_end / steps:.10g} or t_end = {steps * self.dt:.10g}",
+            )
+        return self
+
+
+class Output(Strict):
+    """What is kept."""
+
+    save_every: Annotated[int, Field(ge=1)] = 1
+    """Keep every so many steps; the last one is always kept."""
+
+
+class CaseFile(Strict):
+    """A case: sections, rods, what holds, moves and loads them, and one analysis."""
+
+    title: str = ""
+    description: str = ""
+    section: Annotated[dict[Name, Section], Field(min_length=1)]
+    rod: Annotated[tuple[Rod, ...], Field(strict=False, min_length=1)]
+    support: Annotated[tuple[Support, ...], Field(strict=False)] = ()
+    prescribe: Annotated[tuple[Prescribe, ...], Field(strict=False)] = ()
+    force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
+    moment: Annotated[tuple[Moment, ...], Field(strict=False)] = ()
+    distributed: Annotated[tuple[Distributed, ...], Field(strict=False)] = ()
+    gravity: Gravity | None = None
+    velocity: Annotated[tuple[Velocity, ...], Field(strict=False)] = ()
+    rigid_velocity: RigidVelocity | None = None
+    statics: Statics | None = None
+    dynamics: Dynamics | None = None
+    output: Output = Output()
+
+    @model_validator(mode="after")
+    def _one_analysis(self) -> Self:
+        if (self.statics is None) == (self.dynamics is None):
+            has = "both [statics] and [dynamics]" if self.statics else "neither [statics] nor [dynamics]"
+            raise refuse(f"the file has {has}", "one file, one analysis: keep exactly one of the two tables")
+        moving = [key for key in ("velocity", "rigid_velocity") if getattr(self, key)]
+        if self.statics and moving:
+            raise refuse(f"[{moving[0]}] means nothing in statics", "remove it, or replace [statics] by [dynamics]")
+        return self

@@ -1,0 +1,168 @@
+"""Where every key of a case file stands, so that a message can name the line.
+
+Both scanners read text that the standard parsers have accepted already; they only follow it and note lines.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+Path = tuple[str | int, ...]
+
+__all__ = ["Path", "json_places", "toml_places"]
+
+
+class _Token(NamedTuple):
+    kind: str
+    text: str
+    line: int
+
+
+_TOML = re.compile(
+    r'(?P<text>"""(?:\\[\s\S]|(?!""")[^\\])*"{3,5}|\'\'\'(?:(?!\'\'\')[\s\S])*\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\')'
+    r"|(?P<comment>#[^\n]*)|(?P<newline>\n)|(?P<mark>[\[\]{}=,])|(?P<bare>[^\s#\[\]{}=,\"']+)"
+)
+_JSON = re.compile(r'(?P<text>"(?:\\.|[^"\\])*")|(?P<mark>[\[\]{}:,])|(?P<bare>[^\s\[\]{}:,"]+)')
+_ESCAPE = re.compile(r"\\(u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|.)", re.DOTALL)
+_SHORT = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", "e": "\x1b"}
+
+
+def _tokens(pattern: re.Pattern[str], text: str) -> Iterator[_Token]:
+    line, last = 1, 0
+    for match in pattern.finditer(text):
+        line, last = line + text.count("\n", last, match.start()), match.start()
+        yield _Token(match.lastgroup or "", match.group(), line)
+
+
+def _plain(quoted: str) -> str:
+    """The text between quotes of a key; escapes only in double ones."""
+    if quoted.startswith("'"):
+        return quoted[1:-1]
+    return _ESCAPE.sub(lambda m: _SHORT.get(m[1], "") or (chr(int(m[1][1:], 16)) if len(m[1]) > 1 else m[1]), quoted[1:-1])
+
+
+class _Toml:
+    """A cursor over the tokens; ``lines`` fills as it goes."""
+
+    def __init__(self, text: str) -> None:
+        self.tokens = [t for t in _tokens(_TOML, text) if t.kind != "comment"] + [_Token("end", "", text.count("\n") + 1)]
+        self.at = 0
+        self.lines: dict[Path, int] = {(): 1}
+        self.tables: dict[Path, int] = {}  # arrays of tables: how many so far
+
+    @property
+    def here(self) -> _Token:
+        return self.tokens[self.at]
+
+    def take(self) -> _Token:
+        token = self.here
+        self.at += token.kind != "end"
+        return token
+
+    def skip(self, *texts: str) -> None:
+        while self.here.kind == "newline" or self.here.text in texts:
+            self.take()
+
+    def key(self) -> list[str]:
+        parts: list[str] = []
+        while self.here.kind in ("bare", "text"):
+            token = self.take()
+            parts += [_plain(token.text)] if token.kind == "text" else [p for p in token.text.split(".") if p]
+        return parts
+
+    def note(self, path: Path, line: int) -> None:
+        for n in range(1, len(path) + 1):
+            self.lines.setdefault(path[:n], line)
+
+    def value(self, path: Path) -> None:
+        self.note(path, self.here.line)
+        if self.here.text == "[":
+            self.take()
+            self.skip(",")
+            index = 0
+            while self.here.text != "]" and self.here.kind != "end":
+                self.value((*path, index))
+                self.skip(",")
+                index += 1
+            self.take()
+        elif self.here.text == "{":
+            self.take()
+            self.skip(",")
+            while self.here.text != "}" and self.here.kind != "end":
+                self.pair(path)
+                self.skip(",")
+            self.take()
+        else:
+            while self.take().kind == "bare" and self.here.kind == "bare":  # a date and a time are two words
+                pass
+
+    def pair(self, table: Path) -> None:
+        line = self.here.line
+        path = (*table, *self.key())
+        self.note(path, line)
+        self.take()  # the equals sign
+        self.value(path)
+
+    def header(self) -> Path:
+        line = self.take().line
+        several = self.here.text == "["
+        if several:
+            self.take()
+        path: Path = ()
+        parts = self.key()
+        for n, part in enumerate(parts, 1):
+            path = (*path, part)
+            self.note(path, line)
+            if several and n == len(parts):
+                self.tables[path] = self.tables.get(path, 0) + 1
+            if path in self.tables:
+                path = (*path, self.tables[path] - 1)
+        self.note(path, line)
+        self.skip("]")
+        return path
+
+    def document(self) -> dict[Path, int]:
+        table: Path = ()
+        self.skip()
+        while self.here.kind != "end":
+            if self.here.text == "[":
+                table = self.header()
+            else:
+                self.pair(table)
+            self.skip()
+        return self.lines
+
+
+def toml_places(text: str) -> Mapping[Path, int]:
+    """Line (from 1) of every key, table and list item of valid TOML, by its path from the top."""
+    return _Toml(text).document()
+
+
+def json_places(text: str) -> Mapping[Path, int]:
+    """Line (from 1) of every key and list item of valid JSON, by its path from the top."""
+    lines: dict[Path, int] = {(): 1}
+    stack: list[str | int] = []  # path to the value that comes next
+    kinds: list[str] = []
+    wants_key = False
+    for token in _tokens(_JSON, text):
+        if token.text in ("{", "["):
+            lines.setdefault(tuple(stack), token.line)
+            kinds.append(token.text)
+            stack.append("" if token.text == "{" else 0)
+            wants_key = token.text == "{"
+        elif token.text in ("}", "]"):
+            kinds.pop()
+            stack.pop()
+            wants_key = False
+        elif token.text == ",":
+            last = stack[-1]
+            stack[-1] = last + 1 if isinstance(last, int) else ""
+            wants_key = kinds[-1] == "{"
+        elif token.text != ":":
+            if wants_key:
+                stack[-1] = _plain(token.text)
+                wants_key = False
+            lines.setdefault(tuple(stack), token.line)
+    return lines
