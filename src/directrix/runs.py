@@ -45,7 +45,7 @@ class RunFolder:
         """Make the folder, or take over one that holds an earlier run; refuses any other (InputError)."""
         try:
             path.mkdir(parents=True, exist_ok=True)
-            names = {p.name for p in path.iterdir()}
+            names = {p.name for p in path.iterdir() if not p.name.startswith(".")}
             # found out now, not after an hour of computing
             probe = path / ".directrix-write-test"
             probe.write_bytes(b"")

@@ -244,7 +244,7 @@ def _coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], firs
 
 def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym]]:
     """Residual (6 nn), and behind it the tangent if asked for: for each b, each a the block
-    (6, 6) of the forces on node a by the increments of node b, by rows.
+    (6, 6) of the forces on node a by the increments of node b, by columns.
 
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
@@ -266,12 +266,13 @@ def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[
             else:
                 seed = {d[c]: turned for d in node[1:] for c, turned in enumerate(cross(e, d))}
             columns.append(derivative(graph, out, seed))
+    # column after column: what one direction computes is used while it is at hand
     blocks = [
         columns[6 * b + j][6 * a + i]
         for b in range(layout.nn)
         for a in range(layout.nn)
-        for i in range(6)
         for j in range(6)
+        for i in range(6)
     ]
     return graph, out + blocks
 

@@ -130,7 +130,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
                         target = blocks[to[b]]
                         for i in range(6):
                             for j in range(6):
-                                target[i, j] += out[12 + 36 * b + 6 * i + j]
+                                target[i, j] += out[12 + 36 * b + 6 * j + i]
                 else:
                     k, r = work.k, work.r
                     for b in range(nn):
@@ -138,7 +138,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
                             at = nd + 36 * (nn * b + a)
                             for i in range(6):
                                 for j in range(6):
-                                    k[6 * a + i, 6 * b + j] = out[at + 6 * i + j]
+                                    k[6 * a + i, 6 * b + j] = out[at + 6 * j + i]
                     for i in range(6, last):
                         node = conn[i // 6]
                         r[i] = external[node, i % 6] - out[i]
