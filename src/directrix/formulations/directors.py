@@ -17,7 +17,7 @@ from typing import Any
 from directrix.basis import gauss, lagrange
 from directrix.kernels.trace import Graph, Sym, cross, derivative, dot
 
-__all__ = ["Directors", "Layout", "Rule", "audit", "record_audit", "record_step", "residual", "strains"]
+__all__ = ["Directors", "Layout", "Rule", "audit", "internal", "record_audit", "record_step", "residual", "strains"]
 
 Scalar = Any
 Vector = Sequence[Scalar]
@@ -118,7 +118,7 @@ def _add(*vectors: Vector) -> Vector:
     return tuple(sum(v[k] for v in vectors) for k in range(3))
 
 
-def _internal(q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]):
+def internal(q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]):
     """w·dS/dξ·Bᵀ(q) S at one Gauss point, per node four vectors; B as in the strains above."""
     d, slope = _at_point(q, n, dn)
     t = [w * c for c in s]
@@ -196,7 +196,7 @@ def residual(
             if weight:
                 mixed = [m + weight * e for m, e in zip(mixed, strains(q, n, dn, inverse_j), strict=True)]
         s = _stress(parts[1], [m - e for m, e in zip(mixed, e0, strict=True)])
-        force = _internal(middle, n, dn, w, s)
+        force = internal(middle, n, dn, w, s)
         total = [[_add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
     if not rule.static:
         # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0

@@ -157,11 +157,12 @@ class Rotated:
     position: Vec
     about: Vec
     turn: Scaled
-    displacement: Scaled | VectorTable | None = None
+    displacement: Vec | Scaled | VectorTable = (0.0, 0.0, 0.0)
 
     def __call__(self, t: float) -> Array:
         start, about = np.array(self.position), np.array(self.about)
-        moved = start if self.displacement is None else start + self.displacement(t)
+        by = self.displacement
+        moved = start + (np.array(by) if isinstance(by, tuple) else by(t))
         return about + _turned(self.turn(t), moved - about) - start
 
 

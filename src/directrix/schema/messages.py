@@ -23,17 +23,21 @@ class Source:
     data: Mapping[str, Any]
     lines: Mapping[Path, int]
 
-    def where(self, loc: Sequence[str | int] = ()) -> str:
-        """``file.toml:12: rod[left].elements`` for a path; parts of it that the file does not have are passed over,
-        unless they are the last (a missing key is shown with the line of its table)."""
-        path, shown, value = (), "", self.data  # type: Path, str, Any
-        for n, part in enumerate(loc):
+    def where(self, loc: Sequence[str | int] = (), missing: bool = False) -> str:
+        """``file.toml:12: rod[left].elements`` for a path.
+
+        Parts that the file does not have are passed over, except the last one of a ``missing`` key, which is
+        shown with the line of the table that lacks it.
+        """
+        path: Path = ()
+        shown, value = "", self.data
+        for part in loc:
             if (*path, part) in self.lines:
                 path = (*path, part)
                 value = value[part]
                 shown += _label(part, value) if isinstance(part, int) else f".{part}"
-            elif n == len(loc) - 1 and isinstance(part, str):
-                shown += f".{part}"
+        if missing and isinstance(loc[-1], str):
+            shown += f".{loc[-1]}"
         line = self.lines.get(path, 1)
         return f"{self.name}:{line}" + (f": {shown.lstrip('.')}" if shown else "")
 
@@ -51,11 +55,12 @@ def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[Base
     """One error for all that pydantic reported; the first in full, the rest a line each."""
     # a misspelt key is the likely cause of the missing one beside it
     order = sorted(errors, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
-    what, fix = _sentence(order[0], root)
-    rest = [f"{source.where(e['loc'])}: {_sentence(e, root)[0]}" for e in order[1:]]
-    if rest:
-        fix += "".join([f"\n  (and {len(rest)} more)", *(f"\n    {line}" for line in rest)])
-    return InputError(what, fix, source.where(order[0]["loc"]))
+    places = [source.where(e["loc"], e["type"] == "missing") for e in order]
+    sentences = [_sentence(e, root) for e in order]
+    what, fix = sentences[0]
+    if rest := [f"\n    {place}: {text}" for place, (text, _) in zip(places[1:], sentences[1:], strict=True)]:
+        fix += f"\n  (and {len(rest)} more)" + "".join(rest)
+    return InputError(what, fix, places[0])
 
 
 def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str]:
@@ -67,12 +72,12 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
         case "case":
             return str(limits["what"]), str(limits["fix"])
         case "extra_forbidden":
-            known = _keys_at(root, error["loc"][:-1])
+            known = [k for model in _models_at(root, error["loc"][:-1]) for k in model.model_fields]
             near = get_close_matches(key, known, 1, 0.5)
             fix = f"did you mean {near[0]!r}? " if near else ""
             return f"unknown key {key!r}", f"{fix}known here: {', '.join(known)}"
         case "missing" if isinstance(error["loc"][-1], int):
-            return "too few entries", "give three numbers for a vector, two points for a line"
+            return "has too few entries", f"give {_entries(error['loc'])}"
         case "missing":
             return f"{key!r} is missing", f"add {key} = …"
         case "float_type":
@@ -93,7 +98,8 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
             found = limits["tag"]
             return f"there is no kind {found!r}", _nearest(found, str(limits["expected_tags"]))
         case "union_tag_not_found":
-            return "'kind' is missing", "say which kind of table this is, e.g. kind = \"ramp\" or kind = \"circle\""
+            kinds = [k for model in _models_at(root, error["loc"]) for k in _kinds(model)]
+            return "'kind' is missing", f"say which kind it is, one of {', '.join(kinds)}"
         case "greater_than":
             return f"{shown} greater than {limits['gt']:g}", "check the sign and the units"
         case "greater_than_equal":
@@ -129,6 +135,8 @@ def _show(value: object) -> str:
             text = f"the list {value}"
         case dict():
             text = "a table"
+        case int() if value.bit_length() > 100:
+            text = "a huge number"
         case _:
             text = str(value)
     return text if len(text) <= 60 else text[:57] + "…"
@@ -140,19 +148,38 @@ def _nearest(given: object, expected: str) -> str:
     return f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(words)}"
 
 
-def _keys_at(root: type[BaseModel], loc: Sequence[str | int]) -> list[str]:
-    """The keys that a table of the file may have."""
+def _entries(loc: Sequence[str | int]) -> str:
+    """How many entries a list that is too short should have."""
+    key = next(str(part) for part in reversed(loc) if part in _ENTRIES or part == loc[0])
+    outer, inner = _ENTRIES.get(key, ("three numbers", "three numbers"))
+    return inner if isinstance(loc[-2], int) else outer
+
+
+_ENTRIES = {
+    "line": ("two points", "three numbers"),
+    "ends": ("two names", ""),
+    "stiffness": ("six rows", "six numbers"),
+    "I_rho": ("two rows", "two numbers"),
+}
+
+
+def _models_at(root: type[BaseModel], loc: Sequence[str | int]) -> list[type[BaseModel]]:
+    """The tables that may stand at a place of the file."""
     models = [root]
     for part in loc:
         found: list[type[BaseModel]] = []
         for model in models:
             if part in model.model_fields:
                 found += _models_in(model.model_fields[str(part)].annotation)
-            elif "kind" in model.model_fields and part in get_args(model.model_fields["kind"].annotation):
+            elif part in _kinds(model):
                 found = [model]
                 break
         models = found or models
-    return [key for model in models for key in model.model_fields]
+    return models
+
+
+def _kinds(model: type[BaseModel]) -> tuple[str, ...]:
+    return get_args(model.model_fields["kind"].annotation) if "kind" in model.model_fields else ()
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

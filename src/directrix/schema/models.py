@@ -260,7 +260,9 @@ class Prescribe(Strict):
         return self
 
 
-class _Load(Strict):
+class Load(Strict):
+    """A vector, and when it acts."""
+
     value: Vector
     """Vector in the global frame."""
     time: Time | None = None
@@ -269,25 +271,25 @@ class _Load(Strict):
     """Statics: not multiplied by the load factor."""
 
 
-class Force(_Load):
+class Force(Load):
     """Dead force at a node."""
 
     node: Name
 
 
-class Moment(_Load):
+class Moment(Load):
     """Spatial moment at a node."""
 
     node: Name
 
 
-class Distributed(_Load):
+class Distributed(Load):
     """Dead force per reference length along a rod."""
 
     rod: Name
 
 
-class Gravity(_Load):
+class Gravity(Load):
     """Acceleration of free fall."""
 
 

@@ -1,0 +1,21 @@
+"""Runs an example from the command line: every keyword of ``main`` becomes an option."""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+
+def run(main: Callable[..., Any]) -> None:
+    """Call ``main`` with what the command line gives; ``--out`` folders are made."""
+    parser = argparse.ArgumentParser(description=inspect.getmodule(main).__doc__.split("\n")[0])
+    for name, parameter in inspect.signature(main).parameters.items():
+        kind = type(parameter.default) if parameter.default is not None else str
+        parser.add_argument(f"--{name}", type=kind, default=parameter.default, help=f"default {parameter.default}")
+    options = vars(parser.parse_args())
+    if options.get("out"):
+        Path(options["out"]).mkdir(parents=True, exist_ok=True)
+    main(**options)

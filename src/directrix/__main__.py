@@ -1,0 +1,6 @@
+"""``python -m directrix`` is the command line."""
+
+from directrix.cli import main
+
+if __name__ == "__main__":
+    main()

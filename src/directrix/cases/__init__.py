@@ -1,0 +1,1 @@
+"""Ready case files, listed and copied out by ``directrix examples``."""

@@ -1,0 +1,303 @@
+"""The command line: reads cases, calls the solvers, shows and keeps what they return. No mechanics here.
+
+Exit codes: 0 done, 1 a fault of directrix, 2 bad input, 3 not converged, 4 the energy audit failed, 130 interrupted.
+Whatever is slow to import is imported by the command that needs it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import Enum
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ParamSpec
+
+import typer
+
+from directrix.errors import InputError, ModelError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from directrix.result import Result
+
+__all__ = ["app", "main"]
+
+P = ParamSpec("P")
+TRACEBACK = "DIRECTRIX_TRACEBACK"
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Geometrically exact rods and frames: run a case file, look at what came out, check that it conserves.",
+    epilog="Exit codes: 0 done · 1 our fault · 2 bad input · 3 not converged · 4 audit failed · 130 interrupted",
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, .toml or .json.", show_default=False)]
+ResultFile = Annotated[
+    Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.", show_default=False)
+]
+
+
+class Picture(str, Enum):
+    """What ``plot`` can draw."""
+
+    shape = "shape"
+    motion = "motion"
+    energy = "energy"
+    momentum = "momentum"
+    history = "history"
+
+
+def main() -> None:
+    """The command ``directrix``; ``--traceback`` may stand anywhere."""
+    if "--traceback" in sys.argv:
+        sys.argv = [a for a in sys.argv if a != "--traceback"]
+        os.environ[TRACEBACK] = "1"
+    app()
+
+
+def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
+    """Turn what a command returns or raises into an exit code and one message."""
+
+    @wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            code = command(*args, **kwargs) or 0
+        except ModelError as error:
+            _say(f"error: {error}")
+            code = 2
+        except KeyboardInterrupt:
+            _say("interrupted: nothing was saved")
+            code = 130
+        except (typer.Exit, typer.Abort, BrokenPipeError):
+            raise
+        except OSError as error:
+            _say(f"error: {error.filename or 'the system'}: {error.strerror or error}")
+            code = 2
+        except Exception as error:
+            _say(
+                f"internal error: {type(error).__name__}: {error}\n"
+                "  This is a fault of directrix, not of your input. Please report it with the case file, the output of\n"
+                f"  'directrix doctor', and the traceback that --traceback (or {TRACEBACK}=1) shows."
+            )
+            code = 1
+        else:
+            raise typer.Exit(code)
+        if os.environ.get(TRACEBACK):
+            traceback.print_exc()
+        raise typer.Exit(code)
+
+    return run
+
+
+@app.callback()
+def _options(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
+    traceback: Annotated[bool, typer.Option("--traceback", help="Show the traceback of an error as well.")] = False,
+) -> None:
+    if traceback:
+        os.environ[TRACEBACK] = "1"
+    if version:
+        from directrix import __version__
+
+        print(f"directrix {__version__}")
+        raise typer.Exit(0)
+
+
+@app.command()
+@_guarded
+def run(
+    case_file: CaseFile,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder for what comes out; default CASE.run.")] = None,
+    no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
+) -> int:
+    """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
+    from directrix.runs import RunFolder, can_draw, exit_code
+    from directrix.schema import load_case
+
+    case = load_case(case_file)
+    folder = RunFolder.claim(out or case_file.with_suffix(".run"))
+    console = _console(quiet)
+    console.print(f"{case.title}  ({case_file})", style="bold", markup=False, highlight=False)
+    with _progress(console) as progress:
+        result = case.run(progress)
+    _show(console, result)
+    for path in folder.write(case, result, view=not no_view):
+        console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+    if not no_view and not can_draw():
+        console.print('no pictures: matplotlib is missing; pip install "directrix[plot]"', markup=False)
+    code = exit_code(result)
+    if code and quiet:
+        _say(f"{case_file}: {result.status} audit {result.audit.verdict}")
+    return code
+
+
+@app.command()
+@_guarded
+def check(case_file: CaseFile) -> None:
+    """Check a case without solving it; print what would be solved, with every default and convention."""
+    from directrix.schema import load_case
+    from directrix.schema.describe import describe
+
+    print(describe(load_case(case_file)))
+
+
+@app.command()
+@_guarded
+def info(result_file: ResultFile) -> None:
+    """Print what a result holds: how it ended, its audit, its names."""
+    result, path = _load(result_file)
+    print(result)
+    print(f"  file {path}")
+    print(f"  {len(result.t)} saved instants; rods: {', '.join(r.name for r in result.mesh.rods)}")
+    print(f"  named nodes: {', '.join(result.mesh.node_names)}")
+    for key, value in result.info.items():
+        print(f"  {key} = {value}")
+
+
+@app.command()
+@_guarded
+def view(
+    result_file: ResultFile,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")] = None,
+) -> None:
+    """Write one HTML page that shows the motion: orbit, time slider, directors; needs no network."""
+    result, path = _load(result_file)
+    print(f"wrote {result.view(out or path.with_name('view.html'))}")
+
+
+@app.command()
+@_guarded
+def examples(
+    name: Annotated[str | None, typer.Argument(help="Print this example.", show_default=False)] = None,
+    copy: Annotated[Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")] = None,
+) -> None:
+    """List the cases that come along, print one, or copy them out."""
+    import tomllib
+    from importlib.resources import files
+
+    cases = {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in files("directrix.cases").iterdir() if f.name.endswith(".toml")}
+    if name is not None and name.removesuffix(".toml") not in cases:
+        raise ModelError(f"there is no example {name!r}", f"examples: {', '.join(sorted(cases))}")
+    chosen = {name.removesuffix(".toml"): cases[name.removesuffix(".toml")]} if name else dict(sorted(cases.items()))
+    if copy is not None:
+        _copy(chosen, copy)
+    elif name:
+        print(chosen.popitem()[1], end="")
+    else:
+        for key, text in chosen.items():
+            print(f"{key:<20} {tomllib.loads(text)['title']}")
+        print("\ndirectrix examples NAME prints one; --copy DIR copies it (without NAME: all); directrix run runs it.")
+
+
+@app.command()
+@_guarded
+def schema(out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; default: print.")] = None) -> None:
+    """The JSON schema of case files: every key, its type, its default, what it means."""
+    import json
+
+    from directrix.schema import json_schema
+
+    text = json.dumps(json_schema(), indent=2, ensure_ascii=False)
+    if out is None:
+        print(text)
+    else:
+        out.write_text(text + "\n", encoding="utf-8")
+        print(f"wrote {out}")
+
+
+@app.command()
+@_guarded
+def doctor() -> int:
+    """Look at this installation: versions, compiler, cache, extras, and a small run whose audit must pass."""
+    from directrix.doctor import facts, self_test
+
+    for key, value in facts():
+        print(f"{key:<18} {value}")
+    passed, sentence = self_test()
+    print(f"{'self test':<18} {sentence}")
+    return 0 if passed else 4
+
+
+def _load(path: Path) -> tuple[Result, Path]:
+    """A result file, or the one in the folder of a run."""
+    from directrix.runs import RESULT
+    from directrix.storage import load
+
+    file = path / RESULT if path.is_dir() else path
+    if not file.is_file():
+        raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))
+    return load(file), file
+
+
+def _copy(texts: dict[str, str], folder: Path) -> None:
+    """Write case files; one that is there with other content is left and refused."""
+    targets = {folder / f"{name}.toml": text for name, text in texts.items()}
+    for path, text in targets.items():
+        if path.exists() and (not path.is_file() or path.read_text("utf-8") != text):
+            raise InputError("exists and is different", "move it away or name another folder", str(path))
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, text in targets.items():
+        path.write_text(text, encoding="utf-8")
+        print(f"wrote {path}")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+def _console(quiet: bool) -> Console:
+    from rich.console import Console
+
+    return Console(quiet=quiet)
+
+
+@contextmanager
+def _progress(console: Console) -> Iterator[Callable[[float, str], None]]:
+    """A live bar with the solver's line; on a pipe nothing moves and nothing is printed."""
+    import time
+
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    with Progress(*columns, console=console, disable=console.quiet or not console.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+        shown = 0.0
+
+        def progress(done: float, text: str) -> None:
+            nonlocal shown
+            # a step may take microseconds, the bar should not
+            if done >= 1.0 or time.monotonic() - shown > 0.1:
+                shown = time.monotonic()
+                bar.update(task, completed=done, description=text)
+
+        yield progress
+
+
+def _show(console: Console, result: Result) -> None:
+    """How it ended, and the audit as a table."""
+    from rich.table import Table
+
+    console.print(str(result.status), style="green" if result.success else "red", markup=False, highlight=False)
+    energy, steps = result.energy, result.iterations
+    table = Table("law", "deviation", "allowed", "relative to", "", title=f"audit {result.audit.verdict}", title_justify="left")
+    for entry in result.audit.entries:
+        mark = ("ok" if entry.holds else "FAILED") if entry.claimed else "not claimed"
+        table.add_row(entry.law, f"{entry.value:.2e}", f"{entry.limit:.0e}", entry.relative_to, mark)
+    console.print(table)
+    lines = [
+        f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, total {energy.total[-1]:.9g}; "
+        f"work done on it {energy.work[-1]:.9g}",
+        f"{steps.size} steps, {steps.sum()} Newton iterations, {result.info.get('wall_seconds', float('nan')):.2f} s",
+        *(f"note: {note}" for note in result.audit.notes),
+    ]
+    for line in lines:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
