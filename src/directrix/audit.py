@@ -165,12 +165,12 @@ class StaticBooks:
     """
 
     def __init__(self, disc: Discretisation, first: Books) -> None:
+        self.length = disc.length
         self.work = self.prescribed = 0.0
         self.off = np.zeros(2)
         self.scale = np.zeros(2)
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
-        self.before: tuple[Array, Array] | None = None
 
     def add(self, books: Books, r: Array, external: Array) -> None:
         """Book one equilibrium with positions ``r`` (n, 3) under loads ``external`` (n, 6)."""
@@ -178,8 +178,9 @@ class StaticBooks:
         on = external + books.reaction
         moments = on[:, 3:] + np.cross(r, on[:, :3])
         self.off = np.fmax(self.off, [np.linalg.norm(on[:, :3].sum(0)), np.linalg.norm(moments.sum(0))])
-        parts = [np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], moments)]
-        self.scale = np.fmax(self.scale, parts)
+        force, moment = (np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], on[:, 3:]))
+        force = max(force, moment / self.length)
+        self.scale = np.fmax(self.scale, (force, force * self.length))
         self.work += float(ledger[0] + ledger[1])
         self.prescribed += float(ledger[1])
         self.turn.add(books.totals)

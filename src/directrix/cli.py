@@ -55,6 +55,15 @@ class Picture(str, Enum):
     history = "history"
 
 
+class Quantity(str, Enum):
+    """What ``plot … history`` can draw of a node."""
+
+    displacement = "displacement"
+    r = "r"
+    v = "v"
+    reaction = "reaction"
+
+
 def main() -> None:
     """The command ``directrix``; ``--traceback`` may stand anywhere."""
     if "--traceback" in sys.argv:
@@ -161,6 +170,30 @@ def info(result_file: ResultFile) -> None:
     print(f"  named nodes: {', '.join(result.mesh.node_names)}")
     for key, value in result.info.items():
         print(f"  {key} = {value}")
+
+
+@app.command()
+@_guarded
+def plot(
+    result_file: ResultFile,
+    what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
+    node: Annotated[str | None, typer.Option(help="history: the node.")] = None,
+    quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
+) -> None:
+    """Draw a picture of a result: the last shape, the motion, energy, momentum, or one node's history."""
+    from directrix.runs import draw
+
+    result, path = _load(result_file)
+    options: dict[str, str] = {}
+    if what is Picture.history:
+        if node is None:
+            raise ModelError("a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}")
+        options = {"node": node, "quantity": quantity.value}
+    elif node is not None:
+        raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history")
+    name = "-".join([what.value, *options.values()])
+    print(f"wrote {draw(result, what.value, out or path.with_name(f'{name}.png'), **options)}")
 
 
 @app.command()

@@ -85,26 +85,34 @@ class RunFolder:
         yield _monitor(self.path / MONITOR, result)
         if view:
             yield Path(result.view(self.path / VIEW))
-        if can_draw():
-            yield from self._pictures(result)
-
-    def _pictures(self, result: Result) -> Iterator[Path]:
-        from matplotlib.figure import Figure
-
-        for name in PICTURES:
-            if result.kind == "static" and name == "momentum":
-                continue
-            figure = Figure(figsize=(7, 5), layout="constrained")
-            axes = figure.add_subplot(projection="3d" if name == "motion" else None)
-            getattr(result.plot, name)(ax=axes)
-            path = self.path / f"{name}.png"
-            figure.savefig(path, dpi=150)
-            yield path
+            if can_draw():
+                pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
+                yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
 
 
 def can_draw() -> bool:
     """True when matplotlib is installed."""
     return find_spec("matplotlib") is not None
+
+
+def draw(result: Result, picture: str, path: Path, **options: Any) -> Path:
+    """One of ``result.plot`` into a file; the ending says the format. Needs no display.
+
+    Raises ModelError without matplotlib or for what cannot be drawn, InputError for an unknown ending.
+    """
+    if can_draw():
+        import matplotlib
+
+        matplotlib.use("Agg")
+    figure = getattr(result.plot, picture)(**options).get_figure()
+    formats = figure.canvas.get_supported_filetypes()
+    if path.suffix.lstrip(".").lower() not in formats:
+        raise InputError("is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path))
+    figure.savefig(path, dpi=150)
+    from matplotlib import pyplot
+
+    pyplot.close(figure)
+    return path
 
 
 def summary(case: Case, result: Result, saved: Path) -> dict[str, Any]:

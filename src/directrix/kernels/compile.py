@@ -25,23 +25,19 @@ from directrix.kernels.trace import Graph, Sym, needed
 __all__ = ["LANES", "cache_dir", "kernel_address", "padded", "text_address"]
 
 
-@cache
-def _target() -> tuple[Any, str]:
+def _features() -> str:
+    return llvm.get_host_cpu_features().flatten()
+
+
+def _machine() -> Any:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
-    machine = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=2, jit=True, reloc="pic"
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=_features(), opt=2, jit=True, reloc="pic"
     )
-    return machine, features
 
 
-@cache
-def _lanes() -> int:
-    return 8 if "+avx512f" in _target()[1] else 4
-
-
-LANES = _lanes()
+LANES = 8 if "+avx512f" in _features() else 4
 
 
 def cache_dir() -> Path:
@@ -133,14 +129,14 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], name: str) -> str:
 
 @cache
 def _engine() -> Any:
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target()[0])
+    # the engine takes the machine it is given as its own
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
 
 
 def _object(text: str) -> bytes:
-    machine = _target()[0]
     module = llvm.parse_assembly(text)
     module.verify()
-    return machine.emit_object(module)
+    return _machine().emit_object(module)
 
 
 @cache
@@ -165,7 +161,7 @@ def kernel_address(description: str, build: Callable[[], tuple[Graph, Sequence[S
 
 def text_address(description: str, text: Callable[[str], str]) -> int:
     """Address of the function that ``text(name)`` defines in LLVM's language, compiled at most once per machine."""
-    machine_key = f"{llvm.get_host_cpu_name()} {_target()[1]} {llvmlite.__version__} {LANES}"
+    machine_key = f"{llvm.get_host_cpu_name()} {_features()} {llvmlite.__version__} {LANES}"
     digest = hashlib.sha256(_sources() + machine_key.encode() + description.encode()).hexdigest()
     name = f"k{digest[:24]}"
     if name in _addresses:

@@ -27,7 +27,7 @@ class Strict(BaseModel):
     )
 
 
-def refuse(sentence: str, fix: str) -> PydanticCustomError:
-    """The error of a validator; both parts come out in the message."""
+def refuse(sentence: str, fix: str, *at: str | int) -> PydanticCustomError:
+    """The error of a validator; ``at`` is the key below its table that is to blame."""
     # braces in the sentence would be taken for placeholders
-    return PydanticCustomError("case", "{what}", {"what": sentence, "fix": fix})
+    return PydanticCustomError("case", "{what}", {"what": sentence, "fix": fix, "at": at})

@@ -47,7 +47,7 @@ class Ramp(Strict):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.until <= self.start:
-            raise refuse(f"until = {self.until:g} is not after start = {self.start:g}", "give a later until")
+            raise refuse(f"until = {self.until:g} is not after start = {self.start:g}", "give a later until", "until")
         return self
 
     def __call__(self, t: float) -> float:
@@ -86,11 +86,11 @@ class Pulse(Strict):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.end <= self.start:
-            raise refuse(f"end = {self.end:g} is not after start = {self.start:g}", "give a later end")
+            raise refuse(f"end = {self.end:g} is not after start = {self.start:g}", "give a later end", "end")
         if self.peak is not None and self.shape != "triangle":
-            raise refuse(f"a {self.shape} has no peak to place", "leave peak out")
+            raise refuse(f"a {self.shape} has no peak to place", "leave peak out", "peak")
         if self.peak is not None and not self.start <= self.peak <= self.end:
-            raise refuse(f"peak = {self.peak:g} is outside {self.start:g} … {self.end:g}", "put it between start and end")
+            raise refuse(f"peak = {self.peak:g} is outside {self.start:g} … {self.end:g}", "put it between start and end", "peak")
         return self
 
     def __call__(self, t: float) -> float:
@@ -130,9 +130,9 @@ class VectorTable(Strict):
 def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
     if len(t) != len(value):
         raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
-    for a, b in zip(t, t[1:], strict=False):
+    for k, (a, b) in enumerate(zip(t, t[1:], strict=False), 1):
         if b <= a:
-            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table and drop repeated times")
+            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k)
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[Base
     """One error for all that pydantic reported; the first in full, the rest a line each."""
     # a misspelt key is the likely cause of the missing one beside it
     order = sorted(errors, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
-    places = [source.where(e["loc"], e["type"] == "missing") for e in order]
+    places = [source.where((*e["loc"], *e.get("ctx", {}).get("at", ())), e["type"] == "missing") for e in order]
     sentences = [_sentence(e, root) for e in order]
     what, fix = sentences[0]
     if rest := [f"\n    {place}: {text}" for place, (text, _) in zip(places[1:], sentences[1:], strict=True)]:

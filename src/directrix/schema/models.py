@@ -182,7 +182,7 @@ class Rod(Strict):
     """Names of the end nodes; equal names join rods rigidly. Default: ``<name>.start``, ``<name>.end``."""
     nodes: dict[Name, Annotated[float, Field(gt=0.0, lt=1.0)]] = {}
     """Names of interior nodes, by their fraction of the arclength."""
-    elements: Annotated[int, Field(ge=1)]
+    elements: Annotated[int, Field(ge=1, le=1_000_000)]
     order: Literal[1, 2, 3] = 2
     """Polynomial order of the elements."""
     points: Annotated[int, Field(ge=1)] | None = None
@@ -232,7 +232,7 @@ class Turn(Strict):
     @model_validator(mode="after")
     def _direction(self) -> Self:
         if not any(self.axis):
-            raise refuse("axis = [0, 0, 0] has no direction", "give the direction of the line")
+            raise refuse("axis = [0, 0, 0] has no direction", "give the direction of the line", "axis")
         return self
 
 
@@ -254,9 +254,9 @@ class Prescribe(Strict):
         if self.displacement is None and self.rotation is None and self.turn is None:
             raise refuse(f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn")
         if self.rotation is not None and self.turn is not None:
-            raise refuse("rotation and turn both say how the node turns", "give one of them")
+            raise refuse("rotation and turn both say how the node turns", "give one of them", "turn")
         if self.time is not None and not any(isinstance(m, tuple) for m in (self.displacement, self.rotation)):
-            raise refuse("there is no vector that time could multiply", "leave time out: a table or a turn has its own")
+            raise refuse("there is no vector that time could multiply", "leave time out: a table or a turn has its own", "time")
         return self
 
 
@@ -340,6 +340,7 @@ class Dynamics(Strict):
             raise refuse(
                 f"t_end = {self.t_end:g} is not a whole number of steps dt = {self.dt:g}",
                 f"use dt = {self.t_end / steps:.10g} or t_end = {steps * self.dt:.10g}",
+                "dt",
             )
         return self
 
@@ -372,10 +373,13 @@ class CaseFile(Strict):
 
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
-        if (self.statics is None) == (self.dynamics is None):
-            has = "both [statics] and [dynamics]" if self.statics else "neither [statics] nor [dynamics]"
-            raise refuse(f"the file has {has}", "one file, one analysis: keep exactly one of the two tables")
-        moving = [key for key in ("velocity", "rigid_velocity") if getattr(self, key)]
-        if self.statics and moving:
-            raise refuse(f"[{moving[0]}] means nothing in statics", "remove it, or replace [statics] by [dynamics]")
+        if self.statics is None and self.dynamics is None:
+            raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
+        if self.statics is not None and self.dynamics is not None:
+            raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
+        for key in ("velocity", "rigid_velocity"):
+            if self.statics is not None and getattr(self, key):
+                raise refuse(
+                    f"[{key}] means nothing in statics", "remove it, or replace [statics] by [dynamics]", key
+                )
         return self

@@ -1,0 +1,185 @@
+"""What the pictures of ``plot`` are drawn with: axes in two or three dimensions, rod axes, curves in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.basis import lagrange
+from directrix.errors import ModelError
+from directrix.result import Result, RodMesh
+
+Array = NDArray[np.float64]
+
+INK, GREY, GHOST, BLUE, ORANGE = "#1b2733", "#7d8791", "#c3c9cf", "#1f6fb4", "#d2601a"
+XYZ = ("#c0392f", "#2b8a4b", "#2463ab")
+NAMES_AT_MOST = 40  # node names beyond this many only hide the picture
+
+
+@dataclass(frozen=True)
+class Stage:
+    """An axes and which coordinates it shows: three, or the two of a planar result."""
+
+    ax: Any  # here and below: matplotlib's types know neither the 3-D methods nor the style keywords
+    shown: tuple[int, ...]
+
+    def line(self, points: Array, **style: Any) -> None:
+        """Draw (k, 3) points."""
+        self.ax.plot(*(points[:, i] for i in self.shown), **style)
+
+    def finish(self, title: str) -> None:
+        """Names of the axes, and one scale for all of them."""
+        letters = ["xyz"[i] for i in self.shown]
+        for setter, name in zip((f"set_{a}label" for a in "xyz"), letters, strict=False):
+            getattr(self.ax, setter)(name)
+        self.ax.set_title(plain(title), fontsize=11)
+        if len(self.shown) == 2:
+            self.ax.set_aspect("equal", adjustable="datalim")
+            return
+        limits = np.array([self.ax.get_xlim(), self.ax.get_ylim(), self.ax.get_zlim()])
+        span = limits[:, 1] - limits[:, 0]
+        span = np.maximum(span, 0.3 * span.max())  # a flat box cannot be read in perspective
+        middle = limits.mean(axis=1)
+        for setter, m, w in zip(
+            (self.ax.set_xlim, self.ax.set_ylim, self.ax.set_zlim), middle, span, strict=True
+        ):
+            setter(m - 0.5 * w, m + 0.5 * w)
+        self.ax.set_box_aspect(span, zoom=0.95)
+
+
+def stage(result: Result, ax: Any) -> Stage:
+    """The axes to draw a shape in; refuses a flat axes for a motion in space."""
+    plane = _plane(result)
+    if ax is None:
+        figure: Any = pyplot().figure(figsize=(6.4, 5.8), layout="constrained")
+        if plane is not None:
+            ax = figure.add_subplot()
+            dress(ax)
+        else:
+            from matplotlib.ticker import MaxNLocator
+
+            with pyplot().rc_context({"grid.color": "#e3e7ea", "grid.linewidth": 0.7}):
+                ax = figure.add_subplot(projection="3d")
+            for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+                axis.pane.set_facecolor("white")
+                axis.pane.set_edgecolor(GHOST)
+                axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+        return Stage(ax, plane or (0, 1, 2))
+    if ax.name == "3d":
+        return Stage(ax, (0, 1, 2))
+    if plane is None:
+        raise ModelError(
+            "the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")'
+        )
+    return Stage(ax, plane)
+
+
+def _plane(result: Result) -> tuple[int, ...] | None:
+    """The two coordinates of the plane that the model stays in, or None."""
+    points = np.concatenate([result.mesh.r0[None], result.r]).reshape(-1, 3)
+    span = np.ptp(points, axis=0)
+    flat = [i for i in (2, 1, 0) if span[i] <= 1e-9 * max(float(span.max()), 1e-300)]
+    return tuple(i for i in range(3) if i != flat[0]) if flat else None
+
+
+def axis_line(rod: RodMesh, r: Array) -> Array:
+    """The rod's axis (k, 3) through nodes ``r`` (n, 3) as its elements interpolate it."""
+    cuts = 1 if rod.order == 1 else 8
+    shape = lagrange(rod.order, np.linspace(-1.0, 1.0, cuts + 1)[:-1])[0]
+    nodal = r[rod.nodes]
+    local = np.arange(0, len(nodal) - 1, rod.order)[:, None] + np.arange(rod.order + 1)
+    return np.concatenate([(shape @ nodal[local]).reshape(-1, 3), nodal[-1:]])
+
+
+def ghost(stage: Stage, result: Result) -> None:
+    for rod in result.mesh.rods:
+        stage.line(axis_line(rod, result.mesh.r0), color=GHOST, lw=2.0, zorder=1)
+
+
+def names(stage: Stage, result: Result, at: int) -> None:
+    """Mark the named nodes and write their names beside them."""
+    if len(result.mesh.node_names) > NAMES_AT_MOST:
+        return
+    for name, k in result.mesh.node_names.items():
+        stage.line(result.r[at, k : k + 1], ls="", marker="o", ms=5, color=INK)
+        place = [float(result.r[at, k, i]) for i in stage.shown]
+        stage.ax.text(*place, f"  {plain(name)}", color=INK, fontsize=10, fontweight="bold", va="bottom")
+
+
+def energies(pen: Any, result: Result, total: str = "total") -> None:
+    t, energy = result.t, result.energy
+    pen.plot(t, energy.kinetic, color=ORANGE, lw=1.3, ls="--", label="kinetic")
+    pen.plot(t, energy.stored, color=BLUE, lw=1.3, ls="-.", label="stored")
+    pen.plot(t, energy.total, color=INK, lw=2.2, label=total, **dots(result))
+
+
+def components(pen: Any, result: Result, values: Array, letter: str, style: str) -> None:
+    """Three curves; ``values`` (nt, 3)."""
+    for axis, colour, column in zip("xyz", XYZ, values.T, strict=True):
+        name = f"${letter}_{axis}$" if letter else axis
+        pen.plot(result.t, column, color=colour, lw=1.7, ls=style, label=name, **dots(result))
+
+
+def residual(twin: Any, residual: Array, result: Result) -> None:
+    twin.plot(result.t, residual, color=XYZ[0], lw=1.0, label="residual")
+    twin.set_ylabel("residual of the ledger", color=XYZ[0])
+    twin.tick_params(axis="y", colors=XYZ[0])
+    twin.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
+
+
+def curves(result: Result, ax: Any) -> Any:
+    if ax is None:
+        ax = pyplot().figure(figsize=(7.0, 4.2), layout="constrained").add_subplot()
+        dress(ax)
+    ax.set_xlabel(clock(result))
+    return ax
+
+
+def finish(pen: Any, quantity: str, title: str, below: bool) -> Any:
+    """Label, title and legend: below the axes where the layout is ours, else where it covers least."""
+    pen.set_ylabel(quantity)
+    pen.set_title(plain(title), fontsize=11)
+    place: dict[str, Any] = (
+        {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14)} if below else {"loc": "best"}
+    )
+    entries = len(pen.get_legend_handles_labels()[1])
+    pen.legend(frameon=False, fontsize=9, ncols=3 if entries > 4 else entries if entries < 4 else 2, **place)
+    return pen
+
+
+def dress(pen: Any) -> None:
+    pen.spines[["top", "right"]].set_visible(False)
+    pen.grid(color="#e8ebee", lw=0.7)
+    pen.set_axisbelow(True)
+
+
+def plain(text: str) -> str:
+    """A user's text as it is: matplotlib would read dollars as mathematics."""
+    return text.replace("$", r"\$")
+
+
+def dots(result: Result) -> dict[str, Any]:
+    """Few instants are shown as what they are: points."""
+    return {"marker": "o", "ms": 3.0} if len(result.t) <= 25 else {}
+
+
+def clock(result: Result) -> str:
+    return "t" if result.kind == "dynamic" else "load factor"
+
+
+def need_matplotlib() -> None:
+    try:
+        import_module("matplotlib")
+    except ModuleNotFoundError:
+        raise ModelError(
+            "pictures need matplotlib, which is not installed", 'pip install "directrix[plot]"'
+        ) from None
+
+
+def pyplot() -> Any:
+    need_matplotlib()
+    return import_module("matplotlib.pyplot")

@@ -1,0 +1,110 @@
+"""What ``directrix check`` prints: the whole case in words, with every default and convention."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from directrix.discretisation import Discretisation
+from directrix.model import Distributed, Force, Gravity, Moment, RigidVelocity
+from directrix.schema.load import Case
+from directrix.schema.models import Statics
+from directrix.section import Section
+
+__all__ = ["describe"]
+
+CONVENTIONS = (
+    "components of strain and section force: shear 1, shear 2, axial, bending 1, bending 2, torsion, along d1, d2, d3",
+    "EI1 is bending about d1; I_rho1 = ∫ρ ξ1² dA sits on d1 and belongs with EI2",
+    "forces are dead and, as moments, given in the global frame; rotation vectors in radians, applied on the left",
+    "angular momentum is about the origin; units are yours, as long as they are consistent",
+)
+
+
+def describe(case: Case) -> str:
+    """The case in lines of text. Raises ModelError when it cannot be solved."""
+    disc = case.check()
+    return "\n".join([f"{case.title}  ({case.source})", *_lines(case, disc), "this case can be run"])
+
+
+def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
+    yield from (f"  {line}" for line in case.description.strip().splitlines())
+    yield from _analysis(case, disc)
+    yield "rods"
+    for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True):
+        d1, d3 = mesh.directors[0, :, 0], mesh.directors[0, :, 2]
+        yield (
+            f"  {rod.name}: {rod.ends[0]} → {rod.ends[1]}, length {rod.curve.length:.6g}, {(len(mesh.s) - 1) // rod.order} "
+            f"elements of order {rod.order}, {rod.points or rod.order} stress points each; "
+            f"at its start d1 = {_vector(d1)}, d3 = {_vector(d3)}"
+        )
+        yield from _section(rod.section)
+    yield "named nodes"
+    for name, k in disc.mesh.node_names.items():
+        held = [dof for dof, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), disc.fixed[k], strict=True) if fixed]
+        moved = " (moves as prescribed)" if any(p[0] == k for p in disc.prescribed) else ""
+        yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
+    yield from _loads(disc, isinstance(case.analysis, Statics))
+    if disc.mesh.notes:
+        yield "meshing"
+        yield from (f"  {note}" for note in disc.mesh.notes)
+    yield "conventions"
+    yield from (f"  {line}" for line in CONVENTIONS)
+
+
+def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
+    do, every = case.analysis, case.output.save_every
+    if isinstance(do, Statics):
+        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed; tolerance {do.tolerance:g}; kept: every {every}"
+    else:
+        steps = round(do.t_end / do.dt)
+        yield (
+            f"dynamics: t = 0 → {do.t_end:g} in {steps} steps of {do.dt:g}, {do.integrator}, loads by the {do.load_rule} rule; "
+            f"tolerance {do.tolerance:g}; kept: every {every}"
+        )
+    free = 6 * disc.nodes - int(disc.fixed.sum())
+    shape = "a chain" if disc.pattern.chain else "a general frame"
+    yield f"  {len(disc.mesh.rods)} rods, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns, {shape}"
+
+
+def _section(section: Section) -> Iterator[str]:
+    c = section.stiffness
+    names = ("GA1", "GA2", "EA", "EI1", "EI2", "GJ")
+    yield "    " + ", ".join(f"{n} = {k:.6g}" for n, k in zip(names, np.diag(c), strict=True))
+    if np.any(c - np.diag(np.diag(c))):
+        yield "    coupled: the stiffness matrix has entries off its diagonal"
+    inertia = section.I_rho
+    yield f"    A_rho = {section.A_rho:.6g}, I_rho1 = {inertia[0, 0]:.6g}, I_rho2 = {inertia[1, 1]:.6g}, I_rho12 = {inertia[0, 1]:.6g}"
+    yield from (f"    assumed: {sentence}" for sentence in section.assumptions)
+
+
+def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
+    model = disc.model
+    if model.loads:
+        yield "loads" + (" (times the load factor unless constant)" if static else "")
+    for load in model.loads:
+        match load:
+            case Force():
+                what = f"force on {load.node}"
+            case Moment():
+                what = f"moment on {load.node}"
+            case Distributed():
+                what = f"force per length along {load.rod}"
+            case Gravity():
+                what = "gravity"
+        yield f"  {what}: {load.value}{', constant' if load.constant else ''}"
+    if model.prescribed:
+        yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
+    for p in model.prescribed:
+        yield f"  {p.node}: displacement {p.displacement}, rotation {p.rotation}"
+    if model.velocities:
+        yield "initial velocities"
+    for start in model.velocities:
+        where = "all" if isinstance(start, RigidVelocity) else start.node
+        yield f"  {where}: v = {start.v}, omega = {start.omega}" + (f" about {start.about}" if isinstance(start, RigidVelocity) else "")
+
+
+def _vector(v: np.ndarray) -> str:
+    # + 0.0 turns −0 into 0
+    return "(" + ", ".join(f"{x + 0.0:.6g}" for x in np.round(v, 12)) + ")"
