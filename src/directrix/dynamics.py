@@ -73,7 +73,7 @@ def simulate(
     newton = Newton(disc, integrator.rule, Settings(tolerance), dt)
     recorder = Recorder(disc, "dynamic")
     ledger = DynamicBooks(disc, integrator, newton.books(x), dt)
-    recorder.keep(t0, 1.0, x, newton.books(x), (0.0, 0.0))
+    recorder.keep(t0, 1.0, newton.positions(x), x, newton.books(x), (0.0, 0.0))
     steady = not any(load.varies for load in disc.loads)
     external = disc.external(t0)
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
@@ -95,7 +95,7 @@ def simulate(
             books = newton.finish(x, external, external)
             ledger.add(books)
             if k % save_every == 0 or k == steps:
-                recorder.keep(t, 1.0, x, books, (ledger.work, ledger.prescribed))
+                recorder.keep(t, 1.0, newton.positions(x), x, books, (ledger.work, ledger.prescribed))
             if progress is not None:
                 energy = books.totals[0] + books.totals[1]
                 progress(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")

@@ -62,23 +62,25 @@ class Books(NamedTuple):
 class Newton:
     """Solves steps of one discretisation under one rule.
 
-    ``x`` (n, 36) holds x1, x0 and the rate per node; :meth:`solve` moves x1, :meth:`finish` makes it x0.
+    ``x`` (n, 36) is a state as in :mod:`directrix.state`; :meth:`solve` moves x1, :meth:`finish` makes it x0.
     """
 
     def __init__(self, disc: Discretisation, rule: Rule, settings: Settings, dt: float = 0.0) -> None:
         self.disc, self.rule, self.settings = disc, rule, settings
         self.tables, self.work = tables_for(disc, rule), work_for(disc)
         self.rate = 0.0 if rule.static else 2.0 / dt
-        self.globals = np.array([0.0 if rule.static else 2.0 / dt**2, self.rate])
+        self.globals = np.array([self.rate, 0.5 * self.rate])
         # the compiled loops read 0/1
         self.mask = disc.fixed.astype(np.uint8)
         self.options = np.array(
             [
-                settings.tolerance, *_round_off(disc, self.globals[0]), disc.length, settings.largest_turn,
+                settings.tolerance, *_round_off(disc, 0.5 * self.rate**2), disc.length, settings.largest_turn,
                 settings.iterations, float(settings.rotation == "cayley"),
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
+        self.origin = np.zeros(3)
+        self.free = not disc.fixed.any()
 
     @cached_property
     def sparse(self) -> BlockSparse:
@@ -91,10 +93,10 @@ class Newton:
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
         first, at the rotations as they are.
         """
-        start = x[:, :12].copy()
+        start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
-            x[:, :12] = start
+            x[:] = start
             outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
         return outcome
 
@@ -134,12 +136,52 @@ class Newton:
         where = self.disc.element_place(int(self.totals[9]))
         return f" {where} turns by {np.degrees(angle):.0f}° between its nodes: refine or raise the order."
 
+    def increments(self, x: Array, external: Array, count: int) -> list[float]:
+        """Sizes of ``count`` undamped increments (largest displacement plus turn): to see the order of convergence."""
+        sizes: list[float] = []
+        for _ in range(count):
+            kernel.assemble(self.tables, self.work, x, self.globals, external, self.mask, False)
+            du = self.sparse.solve(self.work.blocks, self.work.rhs)
+            if du is None:
+                break
+            self.work.du[:] = du
+            moved, turned, _ = kernel.advance(self.tables, self.work, x, False, False, np.inf)
+            sizes.append(moved + turned)
+        return sizes
+
     def finish(self, x: Array, external: Array, before: Array) -> Books:
         """Book the step and make x1 the start of the next one. The arrays are reused by the next call.
 
         ``before`` are the loads of the step before: statics books work with the mean, dynamics gives ``external``.
         """
         kernel.finish(self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains)
+        flow = self.work.flow
+        if self.free:
+            flow[5:] += np.cross(self.origin, flow[2:5])
+        books = self._about_zero()
+        if self.free:
+            self._follow(x)
+        return books
+
+    def positions(self, x: Array) -> Array:
+        """Positions (n, 3) of a state."""
+        return x[:, :3] + self.origin
+
+    def _follow(self, x: Array) -> None:
+        """Measure the positions of a free model from a point that goes along with it.
+
+        Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
+        of two, so no digit of a position changes.
+        """
+        if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
+            grain = 2.0 ** np.floor(np.log2(self.disc.length))
+            shift = np.round(x[0, :3] / grain) * grain
+            x[:, :3] -= shift
+            self.origin += shift
+
+    def _about_zero(self) -> Books:
+        if self.free:
+            self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
         return Books(self.totals, self.work.flow, self.strains, self.work.reaction)
 
     def books(self, x: Array) -> Books:
@@ -147,7 +189,7 @@ class Newton:
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.reaction[:] = 0.0
-        return Books(self.totals, self.work.flow, self.strains, self.work.reaction)
+        return self._about_zero()
 
 
 def turn_of(dots: float) -> float:

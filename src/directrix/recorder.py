@@ -32,14 +32,16 @@ class Recorder:
         self.iterations: list[int] = []
         self.started = time.perf_counter()
 
-    def keep(self, t: float, factor: float, x: Array, books: Books, ledger: tuple[float, float]) -> None:
-        """Save an instant; ``ledger`` is the work of all kinds and the prescribed part, since the start."""
+    def keep(
+        self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float]
+    ) -> None:
+        """Save an instant with positions ``r`` of the state ``x``; ``ledger`` is the work of all kinds and the prescribed part, since the start."""
         n = len(x)
         rotations = [x[:, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
         scalars = np.array([t, factor, *ledger])
         self.rows.append(
             (
-                scalars, x[:, :3].copy(), rotations[0], x[:, 24:27].copy(), rotations[1],
+                scalars, r.copy(), rotations[0], x[:, 24:27].copy(), rotations[1],
                 books.reaction.copy(), books.strains.copy(), books.totals.copy(),
             )
         )  # fmt: skip

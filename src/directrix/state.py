@@ -1,4 +1,4 @@
-"""The state of a run: per node position and rotation (x1), those of the last step (x0) and the rate."""
+"""The state of a run, (n, 36): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i); Δr = r1 − r0."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def initial_state(disc: Discretisation, start: Result | None, dynamic: bool) -> 
         v, omega = disc.initial_rates()
         x[:, 24:27] += v
         x[:, 27:] += _columns(rates_of(rotation, omega))
-    x[:, 12:24] = x[:, :12]
+    x[:, 15:24] = x[:, 3:12]
     return x
 
 
@@ -46,7 +46,9 @@ def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
     before = x[:, :12].copy()
     for node, displacement, rotation in disc.prescribed:
         if displacement is not None:
-            x[node, :3] = disc.mesh.r0[node] + displacement(t)
+            to = disc.mesh.r0[node] + displacement(t)
+            x[node, 12:15] = to - x[node, :3]
+            x[node, :3] = to
         if rotation is not None:
             x[node, 3:12] = exp(rotation(t)).T.ravel()
     return not np.array_equal(before, x[:, :12])

@@ -74,7 +74,7 @@ def solve_static(
     recorder = Recorder(disc, "static")
     books = newton.books(x)
     ledger = StaticBooks(disc, books)
-    recorder.keep(0.0, 0.0, x, books, (0.0, 0.0))
+    recorder.keep(0.0, 0.0, x[:, :3], x, books, (0.0, 0.0))
     external = disc.external(0.0, 0.0)
     done, reach, cuts, kept = 0.0, 1.0 / steps, 0, 0.0
     status = Status("done", "")
@@ -82,12 +82,13 @@ def solve_static(
         while status.success and done < 1.0:
             goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
             factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
+            before = x.copy()
             moved = place_supports(disc, x, factor)
             loads = disc.external(factor, factor)
             outcome = newton.solve(x, loads, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
-                x[:, :12] = x[:, 12:24]
+                x = before
                 reach, cuts = 0.5 * (factor - done), cuts + 1
                 if reach < SMALLEST / steps:
                     why = outcome.status
@@ -103,14 +104,14 @@ def solve_static(
             reach = min(1.0 / steps, 2.0 * reach)
             part = round(done * steps)
             if factor == goal and (part % save_every == 0 or part == steps):
-                recorder.keep(done, done, x, books, (ledger.work, ledger.prescribed))
+                recorder.keep(done, done, x[:, :3], x, books, (ledger.work, ledger.prescribed))
                 kept = done
             if progress is not None:
                 progress(done, f"load factor {done:.6g}  {outcome.iterations} iterations")
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at load factor {done:.6g}.", "Go on with start=.")
     if kept < done:
-        recorder.keep(done, done, x, books, (ledger.work, ledger.prescribed))
+        recorder.keep(done, done, x[:, :3], x, books, (ledger.work, ledger.prescribed))
     if status.success:
         cut = f", {cuts} of them cut" if cuts else ""
         status = Status("done", f"reached load factor 1 in {len(recorder.iterations)} steps{cut}.")

@@ -105,12 +105,16 @@ def _tangent(layout: Layout, rule: Rule, rng: np.random.Generator) -> float:
         worst = max(worst, float(np.abs(force - reference).max() / np.abs(reference).max()))
         for column in range(6 * layout.nn):
             node, k = divmod(column, 6)
-            shifted: Any = [[list(vector) for vector in x] for x in q1]
-            e = np.eye(3)[k % 3]
-            for i in range(1) if k < 3 else range(1, 4):
-                delta = e if k < 3 else hat(e) @ np.array(q1[node][i])
-                shifted[node][i] = [v + 1j * h * d for v, d in zip(q1[node][i], delta, strict=True)]
-            exact = np.imag(residual(layout, rule, shifted, q0, v0, p.tolist(), dt)) / h
+            after: Any = [[list(vector) for vector in x] for x in q1]
+            before: Any = [[list(vector) for vector in x] for x in q0]
+            if k < 3:
+                after[node][0][k] += 1j * h
+                before[node][0][k] += 1j * h  # Δr
+            else:
+                for i in (1, 2, 3):
+                    turn = hat(np.eye(3)[k - 3]) @ np.array(q1[node][i])
+                    after[node][i] = [v + 1j * h * d for v, d in zip(q1[node][i], turn, strict=True)]
+            exact = np.imag(residual(layout, rule, after, before, v0, p.tolist(), dt)) / h
             worst = max(worst, float(np.abs(tangent[:, column] - exact).max() / scale))
     return worst
 

@@ -22,7 +22,9 @@ __all__ = ["Directors", "Layout", "Rule", "audit", "internal", "record_audit", "
 Scalar = Any
 Vector = Sequence[Scalar]
 Coordinates = Sequence[Sequence[Vector]]
-PER_NODE = 36  # x1, x0 and the rate ẋ0, twelve numbers each
+# Per node (r1, R1 e_i), (Δr, R0 e_i), (ṙ0, Ṙ0 e_i). The step Δr = r1 − r0 is kept by itself: far from the origin
+# the difference of two positions would lose the digits that momentum is made of.
+PER_NODE = 36
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,10 @@ def _scale(a: Scalar, v: Vector) -> Vector:
     return tuple(a * c for c in v)
 
 
+def _sub(a: Vector, b: Vector) -> Vector:
+    return tuple(s - t for s, t in zip(a, b, strict=True))
+
+
 def _add(*vectors: Vector) -> Vector:
     return tuple(sum(v[k] for v in vectors) for k in range(3))
 
@@ -184,9 +190,12 @@ def residual(
 ) -> list[Scalar]:
     """Forces and moments of one element on its nodes, (force, moment) per node (paper 44–50, 67).
 
-    ``dt`` holds 2/Δt² and 2/Δt. With ``rule.static`` only ``q1`` is read.
+    ``q0`` holds Δr = r1 − r0 in the place of r0. ``dt`` holds 2/Δt and 1/Δt. With ``rule.static`` only ``q1``
+    is read.
     """
     parts = layout.split(p)
+    step = [node[0] for node in q0]
+    q0 = [[_sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
     middle = q1 if rule.static else [[_scale(0.5, _add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
     total = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
     for g, (w, n, dn) in enumerate(_points(layout)):
@@ -199,10 +208,13 @@ def residual(
         force = internal(middle, n, dn, w, s)
         total = [[_add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
     if not rule.static:
-        # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0
+        # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0, by the very 2/Δt that updates ẋ: no bias in long runs
         rate = [
-            [tuple(dt[0] * (b - a) - dt[1] * v for a, b, v in zip(*c, strict=True)) for c in zip(x0, x1, v, strict=True)]
-            for x0, x1, v in zip(q0, q1, v0, strict=True)
+            [
+                tuple(dt[1] * (dt[0] * d - 2.0 * c) for d, c in zip(delta, v, strict=True))
+                for delta, v in zip([dr, *(_sub(b, a) for a, b in zip(x0[1:], x1[1:], strict=True))], rates, strict=True)
+            ]
+            for dr, x0, x1, rates in zip(step, q0, q1, v0, strict=True)
         ]
         for node, inertia in zip(total, _mass_times(layout, parts, rate), strict=True):
             node[:3] = [_add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
@@ -258,11 +270,11 @@ def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[
     if not tangent:
         return graph, out
     columns: list[list[Sym]] = []
-    for node in q1:
+    for node, before in zip(q1, q0, strict=True):
         for k in range(6):
             e = [1.0 if c == k % 3 else 0.0 for c in range(3)]
             if k < 3:
-                seed = {node[0][c]: e[c] for c in range(3)}
+                seed = {node[0][k]: 1.0, before[0][k]: 1.0}
             else:
                 seed = {d[c]: turned for d in node[1:] for c, turned in enumerate(cross(e, d))}
             columns.append(derivative(graph, out, seed))

@@ -1,7 +1,7 @@
 """Loops over elements: gather lanes, call the kernel, condense interior nodes, scatter.
 
 ``tables`` (see :class:`directrix.discretisation.Tables`) are flat arrays for all groups of equal elements;
-``x`` (n, 36) holds per node x1, x0 and the rate, twelve numbers each.
+``x`` (n, 36) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each.
 """
 # pyright: basic
 

@@ -13,7 +13,7 @@ from directrix.kernels.jit import compiled
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, internal_forces
 
-__all__ = ["CONVERGED", "LIMIT", "NON_FINITE", "SINGULAR", "SOLVE", "finish", "newton"]
+__all__ = ["CONVERGED", "LIMIT", "NON_FINITE", "SINGULAR", "SOLVE", "advance", "assemble", "books", "finish", "newton"]
 
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
@@ -47,7 +47,7 @@ def _rotation(t, cayley, out):
 
 
 @compiled
-def _advance(tables, work, x, frozen, cayley, limit):
+def advance(tables, work, x, frozen, cayley, limit):
     """Add the increments ``work.du`` of the end nodes and of the interior ones; largest displacement and turn.
 
     If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
@@ -85,6 +85,7 @@ def _advance(tables, work, x, frozen, cayley, limit):
     for node in range(x.shape[0]):
         for i in range(3):
             x[node, i] += factor * step[node, i]
+            x[node, 12 + i] += factor * step[node, i]
             t[i] = factor * step[node, 3 + i]
         if frozen or (t[0] == 0.0 and t[1] == 0.0 and t[2] == 0.0):
             continue
@@ -145,7 +146,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 return SINGULAR
         control[PHASE] = 0
         frozen = control[FROZEN] == 1
-        moved, turned, bad = _advance(tables, work, x, frozen, cayley, limit)
+        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit)
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE
@@ -166,7 +167,7 @@ def newton(tables, work, x, g, external, mask, options, control):
 
 @compiled
 def finish(tables, work, x, external, before, mask, rate, totals, strains):
-    """Books of a finished step, and x1 becomes x0.
+    """Books of a finished step, and x1 becomes x0 (Δr = 0).
 
     ``rate`` = 2/Δt gives ẋ1 = rate (x1 − x0) − ẋ0; 0 means statics: rates stay, and work is booked with the mean
     of the forces ``before`` and at the end of the step. ``work.flow`` receives the work of the loads, the work
@@ -190,7 +191,7 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
         for i in range(3):
             turn[i] *= 2.0 / trace
         for i in range(6):
-            delta = y[i] - y[12 + i] if i < 3 else turn[i - 3]
+            delta = y[12 + i] if i < 3 else turn[i - 3]
             held = 0.0
             if mask[node, i]:
                 held = work.internal[node, i] - external[node, i]
@@ -199,7 +200,7 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
             flow[0] += 0.5 * (external[node, i] + before[node, i]) * delta
             flow[2 + i] += external[node, i] + held
         f = [external[node, i] + reaction[node, i] for i in range(3)]
-        m = [0.5 * (y[i] + y[12 + i]) for i in range(3)]
+        m = [y[i] - 0.5 * y[12 + i] for i in range(3)]
         flow[5] += m[1] * f[2] - m[2] * f[1]
         flow[6] += m[2] * f[0] - m[0] * f[2]
         flow[7] += m[0] * f[1] - m[1] * f[0]
@@ -217,6 +218,6 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
             y[3 + i] = work.rotation[i]
         for i in range(12):
             if rate > 0.0:
-                y[24 + i] = rate * (y[i] - y[12 + i]) - y[24 + i]
-            y[12 + i] = y[i]
+                y[24 + i] = rate * (y[12 + i] if i < 3 else y[i] - y[12 + i]) - y[24 + i]
+            y[12 + i] = 0.0 if i < 3 else y[i]
     books(tables, work, x, totals, strains)

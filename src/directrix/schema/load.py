@@ -142,6 +142,8 @@ def _parse(file: Path, raw: bytes) -> Source:
         raise InputError(f"not valid JSON: {error.msg}", "mend the syntax near this place", f"{file}:{error.lineno}") from None
     except _Twice as twice:
         raise InputError(f"the key {twice} is given twice", "keep one of them", str(file)) from None
+    except ValueError:  # Python's own limit on the digits of a whole number
+        raise InputError("holds a number of thousands of digits", "shorten it", str(file)) from None
     except RecursionError:
         raise InputError("is nested too deeply", "a case file needs no such nesting", str(file)) from None
     if not isinstance(data, dict):

@@ -185,7 +185,7 @@ class Rod(Strict):
     elements: Annotated[int, Field(ge=1, le=1_000_000)]
     order: Literal[1, 2, 3] = 2
     """Polynomial order of the elements."""
-    points: Annotated[int, Field(ge=1)] | None = None
+    points: Annotated[int, Field(ge=1, le=20)] | None = None
     """Gauss points for the stresses of an element; default ``order``."""
 
     @model_validator(mode="after")
@@ -315,7 +315,7 @@ class RigidVelocity(Strict):
 class Statics(Strict):
     """Equilibria while the load factor goes from 0 to 1."""
 
-    steps: Annotated[int, Field(ge=1)] = 10
+    steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10
     """Equal parts of the load path; they are cut when needed."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
@@ -348,7 +348,7 @@ class Dynamics(Strict):
 class Output(Strict):
     """What is kept."""
 
-    save_every: Annotated[int, Field(ge=1)] = 1
+    save_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
     """Keep every so many steps; the last one is always kept."""
 
 

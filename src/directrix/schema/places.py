@@ -5,7 +5,9 @@ Both scanners read text that the standard parsers have accepted already; they on
 
 from __future__ import annotations
 
+import json
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -25,8 +27,6 @@ _TOML = re.compile(
     r"|(?P<comment>#[^\n]*)|(?P<newline>\n)|(?P<mark>[\[\]{}=,])|(?P<bare>[^\s#\[\]{}=,\"']+)"
 )
 _JSON = re.compile(r'(?P<text>"(?:\\.|[^"\\])*")|(?P<mark>[\[\]{}:,])|(?P<bare>[^\s\[\]{}:,"]+)')
-_ESCAPE = re.compile(r"\\(u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|.)", re.DOTALL)
-_SHORT = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", "e": "\x1b"}
 
 
 def _tokens(pattern: re.Pattern[str], text: str) -> Iterator[_Token]:
@@ -34,13 +34,6 @@ def _tokens(pattern: re.Pattern[str], text: str) -> Iterator[_Token]:
     for match in pattern.finditer(text):
         line, last = line + text.count("\n", last, match.start()), match.start()
         yield _Token(match.lastgroup or "", match.group(), line)
-
-
-def _plain(quoted: str) -> str:
-    """The text between quotes of a key; escapes only in double ones."""
-    if quoted.startswith("'"):
-        return quoted[1:-1]
-    return _ESCAPE.sub(lambda m: _SHORT.get(m[1], "") or (chr(int(m[1][1:], 16)) if len(m[1]) > 1 else m[1]), quoted[1:-1])
 
 
 class _Toml:
@@ -69,7 +62,8 @@ class _Toml:
         parts: list[str] = []
         while self.here.kind in ("bare", "text"):
             token = self.take()
-            parts += [_plain(token.text)] if token.kind == "text" else [p for p in token.text.split(".") if p]
+            quoted = token.kind == "text"
+            parts += [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
         return parts
 
     def note(self, path: Path, line: int) -> None:
@@ -162,7 +156,7 @@ def json_places(text: str) -> Mapping[Path, int]:
             wants_key = kinds[-1] == "{"
         elif token.text != ":":
             if wants_key:
-                stack[-1] = _plain(token.text)
+                stack[-1] = json.loads(token.text)
                 wants_key = False
             lines.setdefault(tuple(stack), token.line)
     return lines

@@ -1,0 +1,72 @@
+# Every target makes its own virtual environment when it needs one: Python 3.11 or newer and make are enough.
+#   PYTHON=python3.12   another interpreter        VENV=.venv   where the environment is        OUT=demo   where the demo writes
+
+PYTHON ?= python3
+VENV ?= .venv
+OUT ?= demo
+
+RUN := $(VENV)/bin/python
+INSTALL := $(RUN) -m pip install --quiet --disable-pip-version-check --editable
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-long lint types bench
+
+help:
+	@echo "make demo       run the main example: audit, picture, animation, result file, in $(OUT)/"
+	@echo "make test       run the tests"
+	@echo "make test-long  run the long checks (minutes)"
+	@echo "make lint       ruff: rules and format"
+	@echo "make types      pyright, strict"
+	@echo "make bench      print the speed of this machine"
+
+demo: $(VENV)/.plot
+	@$(RUN) examples/free_flight.py --out $(OUT)
+
+test: $(VENV)/.dev
+	@$(RUN) -m pytest
+
+test-long: $(VENV)/.dev
+	@$(RUN) -m pytest -m slow
+
+lint: $(VENV)/.dev
+	@$(RUN) -m ruff check
+	@$(RUN) -m ruff format --check
+
+types: $(VENV)/.dev
+	@$(RUN) -m pyright --pythonpath $(RUN)
+
+bench: $(VENV)/.plot
+	@for file in benchmarks/[!_]*.py; do echo "== $$file"; $(RUN) "$$file" || exit 1; done
+
+# --- environments: a stamp each, older than pyproject.toml means install again
+
+# also old interpreters have to understand this
+define FIT
+import sys
+if sys.version_info < (3, 11):
+    sys.exit("directrix needs Python 3.11 or newer; %s is %d.%d.\n  fix: name another one, for example 'make demo PYTHON=python3.12'"
+             % (sys.executable, sys.version_info[0], sys.version_info[1]))
+try:
+    import ensurepip, venv
+except ImportError:
+    sys.exit("%s cannot make virtual environments: its venv module is not installed.\n  fix: install it (Debian and Ubuntu: "
+             "apt install python3-venv), or name another one, for example 'make demo PYTHON=python3.12'" % sys.executable)
+endef
+export FIT
+
+$(VENV)/.made:
+	@command -v "$(PYTHON)" >/dev/null || { echo "there is no '$(PYTHON)'.  fix: install Python 3.11 or newer, or name one, \
+	for example 'make demo PYTHON=/usr/local/bin/python3.12'" >&2; exit 1; }
+	@$(PYTHON) -c "$$FIT"
+	@$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/.plot: pyproject.toml $(VENV)/.made
+	@echo "installing directrix into $(VENV) (once, less than a minute) ..."
+	@$(INSTALL) ".[plot]"
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml $(VENV)/.made
+	@echo "installing directrix and its tools into $(VENV) (once, less than a minute) ..."
+	@$(INSTALL) ".[dev]"
+	@touch $@

@@ -1,0 +1,287 @@
+"""One HDF5 file for two readers: ``/VTKHDF`` is what ParaView shows, ``/directrix`` the result bit for bit.
+
+``/VTKHDF`` follows version 2.0 of the VTKHDF specification (docs.vtk.org, "VTKHDF format specification"): temporal
+PolyData, one line cell per element through its nodes. The lines are written once and every saved instant
+points back to them; only points and data move on. A node that rods share appears once per rod, because each
+rod has directors of its own there.
+
+``/directrix`` holds arrays as they were and everything textual as JSON.
+"""
+
+# pyright: basic
+# (h5py ships no types)
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.audit import Audit, Entry
+from directrix.errors import InputError
+from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status
+
+Array = NDArray[np.float64]
+
+__all__ = ["FORMAT", "load", "save"]
+
+FORMAT = 1  # of /directrix; raised when an older directrix could no longer read it
+CHUNK = 2**18  # bytes; well within HDF5's cache, about what one instant of a large frame takes
+FORCES = ("shear_1", "shear_2", "axial_force", "bending_moment_1", "bending_moment_2", "torque")
+HISTORIES = ("t", "load_factor", "r", "R", "v", "Rdot", "reaction", "strain", "force", "iterations")
+
+
+def save(result: Result, path: str | os.PathLike[str]) -> str:
+    """Write ``result`` to ``path`` and return the path. ParaView (5.12 or later) knows the ending ``.vtkhdf``.
+
+    An older file is replaced only by a complete one: the new one is written beside it first, and an
+    interrupted or failed save leaves the old file as it was. Raises InputError when it cannot be written.
+
+    ParaView shows as point data the displacement, velocity, directors d1, d2, d3 and arclength, as cell
+    data the mean section forces of each element in the section's frame, and as field data the
+    energies. Both carry the index of the rod. Time is ``result.t`` where that increases strictly,
+    else (a load factor that turns back) the number of the saved instant.
+    """
+    file = Path(path)
+    if file.is_dir():
+        raise InputError("this is a folder, not a file", "name the file to write, such as result.vtkhdf", str(file))
+    if not file.parent.is_dir():
+        raise InputError(f"there is no folder {str(file.parent)!r}", "make the folder first", str(file))
+    part = file.with_name(f".{uuid4().hex}.part")
+    try:
+        with h5py.File(part, "x", locking="best-effort") as root:
+            _write_vtk(root.create_group("VTKHDF"), result)
+            _write_result(root.create_group("directrix"), result)
+        with part.open("rb+") as written:
+            os.fsync(written.fileno())
+        part.replace(file)
+    except (OSError, RuntimeError) as error:  # h5py reports a full disk at closing as RuntimeError
+        raise InputError(f"cannot be written: {error}", "check permissions and free space", str(file)) from None
+    finally:
+        part.unlink(missing_ok=True)
+    return str(path)
+
+
+def load(path: str | os.PathLike[str]) -> Result:
+    """The result that :func:`save` wrote to ``path``, equal to it bit for bit.
+
+    Raises InputError for a file that is missing, unreadable, damaged, from a newer format or not ours.
+    """
+    file = Path(path)
+    where = str(file)
+    if file.is_dir():
+        raise InputError("this is a folder, not a result file", "name the .vtkhdf file in it", where)
+    try:
+        file.open("rb").close()
+    except FileNotFoundError:
+        raise InputError("there is no such file", "check the path", where) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", "check the permissions", where) from None
+    if not h5py.is_hdf5(file):
+        raise InputError("is not an HDF5 file", "name a file that result.save wrote", where)
+    try:
+        with h5py.File(file, "r", locking="best-effort") as root:
+            group = root.get("directrix")
+            if not isinstance(group, h5py.Group) or "format" not in group.attrs:
+                raise InputError("is HDF5 but holds no directrix result", "name a file that result.save wrote", where)
+            if (version := int(group.attrs["format"])) > FORMAT:
+                raise InputError(
+                    f"has format {version}; this directrix reads up to {FORMAT}", "install a newer directrix", where
+                )
+            return _read_result(group)
+    except (OSError, RuntimeError, LookupError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        fix = "take an intact copy, or run the case again"
+        raise InputError(f"is damaged, perhaps cut short while copying ({error})", fix, where) from None
+
+
+# ---- /VTKHDF ----
+
+
+def _write_vtk(root: h5py.Group, result: Result) -> None:
+    mesh, t = result.mesh, result.t
+    nodes = np.concatenate([rod.nodes for rod in mesh.rods])
+    connectivity, offsets = _lines(mesh)
+    points, cells, instants = len(nodes), len(offsets) - 1, len(t)
+
+    root.attrs["Type"] = np.bytes_("PolyData")  # readers ask for a string of fixed length
+    root.attrs["Version"] = np.array([2, 0])
+    _put(root, "NumberOfPoints", np.array([points]))
+    _put(root, "Points", result.r[:, nodes].reshape(-1, 3))
+    nothing = np.zeros(0, np.int64)
+    for name in ("Vertices", "Lines", "Polygons", "Strips"):
+        ids, starts = (connectivity, offsets) if name == "Lines" else (nothing, np.zeros(1, np.int64))
+        group = root.create_group(name)
+        _put(group, "NumberOfConnectivityIds", np.array([len(ids)]))
+        _put(group, "NumberOfCells", np.array([len(starts) - 1]))
+        _put(group, "Connectivity", ids)
+        _put(group, "Offsets", starts)
+
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = instants
+    count, still = np.arange(instants), np.zeros(instants, np.int64)
+    increasing = bool(np.all(np.diff(t) > 0.0))
+    _put(steps, "Values", t if increasing else count.astype(np.float64))
+    _put(steps, "PartOffsets", still)
+    _put(steps, "NumberOfParts", np.ones(instants, np.int64))
+    _put(steps, "PointOffsets", count * points)
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        _put(steps, name, np.zeros((instants, 4), np.int64))  # vertices, lines, polygons, strips
+
+    for kind, rows, arrays in (
+        ("PointData", points, _point_data(result, nodes)),
+        ("CellData", cells, _cell_data(result)),
+        ("FieldData", 1, _field_data(result)),
+    ):
+        group, starts = root.create_group(kind), steps.create_group(f"{kind}Offsets")
+        for name, values in arrays:  # (instants or 1, rows, ...)
+            _put(group, name, values.reshape(len(values) * rows, *values.shape[2:]))
+            _put(starts, name, count * rows if len(values) == instants else still)
+
+
+def _lines(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Points of every element in turn, and where each element starts (and the last one ends) among them."""
+    ids: list[NDArray[np.int64]] = []
+    sizes: list[NDArray[np.int64]] = []
+    start = 0
+    for rod in mesh.rods:
+        elements = (len(rod.nodes) - 1) // rod.order
+        ids.append((start + rod.order * np.arange(elements)[:, None] + np.arange(rod.order + 1)).ravel())
+        sizes.append(np.full(elements, rod.order + 1))
+        start += len(rod.nodes)
+    return np.concatenate(ids), np.concatenate([[0], np.cumsum(np.concatenate(sizes))])
+
+
+def _point_data(result: Result, nodes: NDArray[np.int64]) -> Iterator[tuple[str, NDArray[Any]]]:
+    rods = result.mesh.rods
+    yield "displacement", (result.r - result.mesh.r0)[:, nodes]
+    yield "velocity", result.v[:, nodes]
+    reference = np.concatenate([rod.directors for rod in rods])
+    rotation = result.R[:, nodes]
+    for k in range(3):
+        yield f"d{k + 1}", np.einsum("tnij,nj->tni", rotation, reference[:, :, k])
+    yield "arclength", np.concatenate([rod.s for rod in rods])[None]
+    yield "rod", np.repeat(np.arange(len(rods)), [len(rod.nodes) for rod in rods])[None]
+
+
+def _cell_data(result: Result) -> Iterator[tuple[str, NDArray[Any]]]:
+    rods = result.mesh.rods
+    elements = [(len(rod.nodes) - 1) // rod.order for rod in rods]
+    means: list[Array] = []
+    for rod, count in zip(rods, elements, strict=True):
+        part = result.force[:, rod.first_station : rod.first_station + len(rod.stations)]
+        weights = 0.5 * np.polynomial.legendre.leggauss(len(rod.stations) // count)[1]
+        means.append(np.einsum("tepi,p->tei", part.reshape(len(part), count, -1, 6), weights))
+    mean = np.concatenate(means, axis=1)
+    for k, name in enumerate(FORCES):
+        yield name, mean[..., k]
+    yield "rod", np.repeat(np.arange(len(rods)), elements)[None]
+
+
+def _field_data(result: Result) -> Iterator[tuple[str, Array]]:
+    yield "load_factor", result.load_factor[:, None]
+    for name in ("kinetic", "stored", "total", "work"):
+        yield f"energy_{name}", getattr(result.energy, name)[:, None]
+
+
+# ---- /directrix ----
+
+
+def _write_result(root: h5py.Group, result: Result) -> None:
+    root.attrs["format"] = FORMAT
+    mesh = result.mesh
+    texts = {
+        "kind": result.kind,
+        "name": result.name,
+        "status": asdict(result.status),
+        "audit": asdict(result.audit),
+        "info": dict(result.info),
+        "rod_names": [rod.name for rod in mesh.rods],
+        "node_names": {name: int(k) for name, k in mesh.node_names.items()},
+        "mesh_notes": mesh.notes,
+    }
+    for name, value in texts.items():
+        root.create_dataset(name, data=json.dumps(value, default=_plain))
+    for name in HISTORIES:
+        _put(root, name, getattr(result, name))
+    for name, value in (("energy", result.energy), ("momentum", result.momentum)):
+        group = root.create_group(name)
+        for key in fields(value):
+            _put(group, key.name, getattr(value, key.name))
+
+    group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
+    sizes = [(len(r.nodes), len(r.stations), len(r.outline), r.order, r.first_station) for r in mesh.rods]
+    _put(group, "sizes", np.array(sizes))
+    _put(group, "r0", mesh.r0)
+    for name in ("nodes", "s", "directors", "stations", "outline"):
+        _put(group, name, np.concatenate([getattr(rod, name) for rod in mesh.rods]))
+
+
+def _read_result(root: h5py.Group) -> Result:
+    def text(name: str) -> Any:
+        return json.loads(root[name][()])
+
+    group = root["mesh"]
+    sizes = group["sizes"][()]
+    nodes, stations, outline = np.cumsum(sizes[:-1, :3], axis=0).T
+
+    def split(name: str, at: NDArray[np.int64]) -> list[NDArray[Any]]:
+        return [part.copy() for part in np.split(group[name][()], at)]
+
+    rods = zip(
+        text("rod_names"), split("nodes", nodes), split("s", nodes), split("directors", nodes),
+        sizes[:, 3].tolist(), split("stations", stations), sizes[:, 4].tolist(), split("outline", outline),
+        strict=True,
+    )  # fmt: skip
+    audit = text("audit")
+    audit["entries"] = tuple(Entry(**entry) for entry in audit["entries"])
+    audit["notes"] = tuple(audit["notes"])
+    return Result(
+        kind=text("kind"),
+        name=text("name"),
+        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), text("node_names"), group["r0"][()], tuple(text("mesh_notes"))),
+        **{name: root[name][()] for name in HISTORIES},
+        energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
+        momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
+        status=Status(**text("status")),
+        audit=Audit(**audit),
+        info=text("info"),
+    )
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know, for ``info``: numpy values become plain ones, anything else its text."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    return dict(value) if isinstance(value, Mapping) else str(value)
+
+
+def _put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
+    """Write an array; a big one in checksummed chunks of whole rows, compressed where that pays."""
+    if values.nbytes < CHUNK:
+        group.create_dataset(name, data=values)
+        return
+    rows = max(1, CHUNK * len(values) // values.nbytes)
+    group.create_dataset(
+        name, data=values, chunks=(rows, *values.shape[1:]), fletcher32=True, **_compression(values, rows)
+    )
+
+
+def _compression(values: NDArray[Any], rows: int) -> dict[str, Any]:
+    """Trailing digits do not shrink and cost ten times the writing; zeros and constants do. Try a piece."""
+    middle = min(len(values) // 2, len(values) - rows)
+    piece = np.ascontiguousarray(values[middle : middle + rows])
+    shuffled = piece.reshape(-1).view(np.uint8).reshape(-1, piece.itemsize).T.tobytes()
+    if len(zlib.compress(shuffled, 1)) > 0.7 * len(shuffled):
+        return {}
+    return {"compression": "gzip", "compression_opts": 1, "shuffle": True}

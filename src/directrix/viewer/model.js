@@ -1,0 +1,125 @@
+"use strict";
+// The run as arrays, and the kinematics of a picture: what lies between nodes and between saved instants.
+
+function floats(code) {
+  const bytes = Uint8Array.from(atob(code), (letter) => letter.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+function readRun(text) {
+  const run = JSON.parse(text);
+  for (const part of [run, ...run.rods]) {
+    for (const key of Object.keys(part.arrays)) part[key] = floats(part.arrays[key]);
+    delete part.arrays;
+  }
+  run.total = run.kinetic.map((kinetic, k) => kinetic + run.stored[k]);
+  return run;
+}
+
+// Lagrange polynomials of equispaced nodes, as the elements have them; ξ in [−1, 1].
+function lagrange(order, xi) {
+  const place = (a) => -1 + 2 * a / order;
+  return Array.from({ length: order + 1 }, (_, a) => {
+    let value = 1;
+    for (let b = 0; b <= order; b++) if (b !== a) value *= (xi - place(b)) / (place(a) - place(b));
+    return value;
+  });
+}
+
+// Knots are the nodes as each rod sees them (a corner node is one node and two knots); samples lie on the
+// rods' axes, finer than the nodes, and know their knots with weights and their two neighbouring stations.
+function makeSkeleton(run) {
+  const elements = run.rods.reduce((sum, rod) => sum + (rod.nodes.length - 1) / rod.order, 0);
+  const finest = Math.max(1, Math.floor(5000 / elements));
+  const knotNode = [], knotDirectors = [], rods = [], samples = [];
+  run.rods.forEach((rod, index) => {
+    const cuts = Math.min(finest, rod.order === 1 ? 4 : 10), firstKnot = knotNode.length, firstSample = samples.length;
+    rod.nodes.forEach((node, a) => {
+      knotNode.push(node);
+      knotDirectors.push(...rod.directors.subarray(6 * a, 6 * a + 6));
+    });
+    const last = (rod.nodes.length - 1) / rod.order;
+    for (let e = 0; e < last; e++) {
+      for (let c = 0; c < cuts + (e === last - 1 ? 1 : 0); c++) {
+        const shape = lagrange(rod.order, -1 + 2 * c / cuts), knots = shape.map((_, a) => firstKnot + e * rod.order + a);
+        const s = shape.reduce((sum, value, a) => sum + value * rod.s[e * rod.order + a], 0);
+        samples.push({ knots, shape, ...between(rod, s) });
+      }
+    }
+    rods.push({ rod, index, firstSample, samples: samples.length - firstSample });
+  });
+  return {
+    rods, samples, knotNode, knotDirectors, count: samples.length,
+    knots: new Float32Array(9 * knotNode.length), poses: new Float32Array(9 * samples.length),
+  };
+}
+
+function between(rod, s) {
+  let k = 0;
+  while (k < rod.stations.length - 2 && rod.stations[k + 1] < s) k++;
+  const next = Math.min(k + 1, rod.stations.length - 1), gap = rod.stations[next] - rod.stations[k];
+  const weight = gap > 0 ? Math.min(1, Math.max(0, (s - rod.stations[k]) / gap)) : 0;
+  return { station: rod.first + k, next: rod.first + next, weight };
+}
+
+// Values of all nodes (width numbers each) at frame u; between two saved instants linearly, for smooth playing.
+function atFrame(array, width, u, out) {
+  const k = Math.min(Math.floor(u), array.length / width - 1), a = u - k, from = k * width;
+  const to = Math.min(from + width, array.length - width);
+  for (let i = 0; i < width; i++) out[i] = (1 - a) * array[from + i] + a * array[to + i];
+  return out;
+}
+
+// Fills skeleton.knots and skeleton.poses with (r, d1, d2) from node positions (n, 3) and the first two
+// columns of the node rotations (n, 2, 3).
+function place(skeleton, r, turn) {
+  const { knots, poses, knotNode, knotDirectors } = skeleton;
+  knotNode.forEach((node, k) => {
+    const [a, b, c, d, e, f] = turn.subarray(6 * node, 6 * node + 6);
+    const g = b * f - c * e, h = c * d - a * f, i = a * e - b * d; // third column
+    for (let m = 0; m < 3; m++) knots[9 * k + m] = r[3 * node + m];
+    for (let m = 0; m < 2; m++) {
+      const x = knotDirectors[6 * k + 3 * m], y = knotDirectors[6 * k + 3 * m + 1], z = knotDirectors[6 * k + 3 * m + 2];
+      knots[9 * k + 3 + 3 * m] = a * x + d * y + g * z;
+      knots[9 * k + 4 + 3 * m] = b * x + e * y + h * z;
+      knots[9 * k + 5 + 3 * m] = c * x + f * y + i * z;
+    }
+  });
+  skeleton.samples.forEach((sample, q) => {
+    for (let m = 0; m < 9; m++) {
+      let sum = 0;
+      for (let a = 0; a < sample.knots.length; a++) sum += sample.shape[a] * knots[9 * sample.knots[a] + m];
+      poses[9 * q + m] = sum;
+    }
+    for (const m of [3, 6]) {
+      const length = Math.hypot(poses[9 * q + m], poses[9 * q + m + 1], poses[9 * q + m + 2]) || 1;
+      for (let j = 0; j < 3; j++) poses[9 * q + m + j] /= length; // sections keep their size in the picture
+    }
+  });
+}
+
+// Centre and reach of everything that is ever shown.
+function extent(run) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (const array of [run.r0, run.r]) {
+    for (let i = 0; i < array.length; i++) {
+      low[i % 3] = Math.min(low[i % 3], array[i]);
+      high[i % 3] = Math.max(high[i % 3], array[i]);
+    }
+  }
+  const span = low.map((_, i) => high[i] - low[i]), still = [Infinity, Infinity, Infinity], ends = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < run.r0.length; i++) {
+    still[i % 3] = Math.min(still[i % 3], run.r0[i]);
+    ends[i % 3] = Math.max(ends[i % 3], run.r0[i]);
+  }
+  return {
+    low, high, span, centre: low.map((_, i) => 0.5 * (low[i] + high[i])), reach: 0.5 * Math.hypot(...span) || 1,
+    size: Math.hypot(...still.map((_, i) => ends[i] - still[i])) || 1,
+  };
+}
+
+function centroid(r) {
+  const sum = [0, 0, 0];
+  for (let i = 0; i < r.length; i++) sum[i % 3] += 3 * r[i] / r.length;
+  return sum;
+}

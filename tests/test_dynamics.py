@@ -1,0 +1,205 @@
+"""What a motion must keep, whatever the step: laws, reversibility, order, and how it ends when it cannot go on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import directrix as dx
+from directrix.integrators.conformance import check_integrator
+
+
+def section(scale: float = 1.0, mass: float = 1.0, length: float = 1.0) -> dx.Section:
+    """A soft section; forces scale with ``scale``, lengths with ``length``, masses with ``mass``."""
+    f, l = scale, length
+    return dx.Section.from_moduli(
+        EA=2500 * f, GA1=950 * f, GA2=950 * f, EI1=10 * f * l**2, EI2=12 * f * l**2, GJ=8 * f * l**2,
+        A_rho=2.5 * mass / l, I_rho1=0.012 * mass * l, I_rho2=0.01 * mass * l,
+    )  # fmt: skip
+
+
+def flying(order: int = 1, elements: int = 6) -> dx.Model:
+    return (
+        dx.Model(name="flying rod")
+        .rod(dx.line((1, 0, 0), (4, 0, 1)), section(), name="rod", ends=("a", "b"), elements=elements, order=order)
+        .velocity("a", (0.3, 1.0, -2.0), omega=(1.0, 0.5, 2.0))
+        .velocity("b", (0.0, -1.0, 1.0))
+    )
+
+
+def tripod(order: int = 1) -> dx.Model:
+    """Three rods on one node: not a chain."""
+    model = dx.Model(name="tripod")
+    for k, tip in enumerate([(2, 0, 0), (0, 2, 0), (-1, -1, 1)]):
+        model = model.rod(dx.line((0, 0, 0), tip), section(), name=f"leg{k}", ends=("hub", f"tip{k}"), elements=3, order=order)
+    return model.velocity("tip0", (0, 0, 2)).velocity("tip1", (1, 0, 0)).velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
+
+
+@pytest.mark.parametrize("integrator", [dx.EnergyMomentum(), dx.Midpoint()])
+def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None:
+    found = check_integrator(integrator)
+    assert abs(found.order - 2.0) <= 0.05
+    for law, claimed, deviation in found.laws:
+        if claimed:
+            assert deviation <= 1e-11, law
+        else:
+            assert deviation >= 1e-4, f"{law} is not claimed and yet kept: claim it"
+
+
+@pytest.mark.parametrize("model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name)
+def test_free_flight_conserves_for_every_order_and_solver(model: dx.Model) -> None:
+    result = dx.simulate(model, t_end=5.0, dt=0.05)
+    assert result.success and result.audit.passed
+    assert result.info["solver"] == ("sparse" if model.name == "tripod" else "chain")
+    assert np.abs(result.energy.residual).max() <= 1e-12 * result.energy.total[0]
+    for momentum in (result.momentum.linear, result.momentum.angular):
+        assert np.abs(momentum - momentum[0]).max() <= 1e-11 * np.abs(momentum[0]).max()
+
+
+def test_loads_and_moving_supports_are_booked() -> None:
+    model = (
+        dx.Model(name="driven")
+        .rod(dx.line((0, 0, 0), (3, 0, 0)), section(), name="rod", ends=("a", "b"), elements=6)
+        .prescribe(
+            "a",
+            displacement=lambda t: (0.2 * np.sin(2 * t), 0.1 * t, 0.0),
+            rotation=lambda t: (0.3 * np.sin(t), 0.0, 0.4 * (1 - np.cos(3 * t))),
+        )
+        .force("b", lambda t: (0.0, 2.0 * np.sin(3 * t), 1.0))
+        .moment("b", (1.0, 0.0, 0.5))
+        .distributed("rod", (0.0, 0.0, -1.0))
+        .gravity((0, 0, -2.0))
+    )
+    result = dx.simulate(model, t_end=4.0, dt=0.05)
+    assert result.success and result.audit.passed
+    turnover = np.abs(np.diff(result.energy.work)).sum()
+    assert np.abs(result.energy.residual).max() <= 1e-11 * turnover
+    assert np.ptp(result.energy.prescribed) > 0.1  # J
+    assert np.ptp(result.energy.work - result.energy.prescribed) > 0.1  # J
+    np.testing.assert_allclose(result.node("a").displacement[-1], [0.2 * np.sin(8.0), 0.4, 0.0], atol=1e-14)
+
+
+def test_a_motion_runs_back() -> None:
+    there = dx.simulate(flying(), t_end=2.0, dt=0.05)
+    back = dx.simulate(flying(), t_end=4.0, dt=0.05, start=replace(there, v=-there.v, Rdot=-there.Rdot))
+    assert back.t[0] == 2.0 and back.t[-1] == 4.0
+    np.testing.assert_allclose(back.r[-1], there.r[0], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(back.R[-1], there.R[0], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(back.v[-1], -there.v[0], rtol=0, atol=1e-8)
+
+
+def test_going_on_from_a_result_is_the_same_motion() -> None:
+    whole = dx.simulate(flying(), t_end=2.0, dt=0.05)
+    half = dx.simulate(flying(), t_end=1.0, dt=0.05)
+    rest = dx.simulate(flying(), t_end=2.0, dt=0.05, start=half)
+    np.testing.assert_allclose(rest.r[-1], whole.r[-1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(rest.v[-1], whole.v[-1], rtol=0, atol=1e-11)
+
+
+def test_a_rod_described_from_its_other_end_moves_the_same() -> None:
+    d1 = (0, 1, 0)
+    one = dx.Model().rod(dx.line((0, 0, 0), (3, 0, 0), d1=d1), section(), name="rod", ends=("a", "b"), elements=6)
+    two = dx.Model().rod(dx.line((3, 0, 0), (0, 0, 0), d1=d1), section(), name="rod", ends=("b", "a"), elements=6)
+    tips = []
+    for model in (one, two):
+        loaded = model.clamp("a").force("b", (1.0, 2.0, 3.0)).velocity("b", (0, 1, 1))
+        tips.append(dx.simulate(loaded, t_end=2.0, dt=0.05).node("b"))
+    np.testing.assert_allclose(tips[0].r, tips[1].r, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(tips[0].R, tips[1].R, rtol=0, atol=1e-10)
+
+
+def test_other_units_give_the_same_motion() -> None:
+    """Metres, kilograms, seconds against millimetres, tonnes, seconds: N stays N."""
+    paths = []
+    for mm, tonne in ((1.0, 1.0), (1e3, 1e-3)):
+        model = (
+            dx.Model()
+            .rod(dx.line((0, 0, 0), (3 * mm, 0, 0)), section(1.0, tonne, mm), name="rod", ends=("a", "b"), elements=6)
+            .clamp("a")
+            .force("b", (1.0, 2.0, 3.0))
+            .velocity("b", (0, 1.0 * mm, 0))
+        )
+        paths.append(dx.simulate(model, t_end=2.0, dt=0.05).node("b").r / mm)
+    np.testing.assert_allclose(paths[0], paths[1], rtol=0, atol=1e-9)
+
+
+def test_a_hundred_thousand_steps() -> None:
+    steps = 100_000
+    result = dx.simulate(flying(), t_end=steps * 0.05, dt=0.05, save_every=1000)
+    assert result.success and len(result.iterations) == steps
+    scale = np.linalg.norm(result.momentum.linear[0])
+    assert np.abs(result.momentum.linear - result.momentum.linear[0]).max() <= 1e-11 * scale
+    assert np.abs(result.energy.residual).max() <= 1e-10 * result.energy.total[0]
+
+
+def test_newton_converges_quadratically() -> None:
+    from directrix.discretisation import discretise
+    from directrix.newton import Newton, Settings
+    from directrix.state import initial_state
+
+    disc = discretise(flying(), dynamic=True)
+    newton = Newton(disc, dx.EnergyMomentum.rule, Settings(), 0.02)
+    x = initial_state(disc, None, dynamic=True)
+    sizes = newton.increments(x, disc.external(0.0), 6)
+    useful = [s for s in sizes if s > 1e-14]
+    assert np.log(useful[-1] / useful[-2]) / np.log(useful[-2] / useful[-3]) >= 1.9
+
+
+def test_a_value_that_is_not_finite_stops_the_run_and_names_the_node() -> None:
+    """Kinetic energy beyond what a double holds."""
+    result = dx.simulate(_too_fast(), t_end=1.0, dt=0.5)
+    assert not result.success
+    assert result.status.code == "non_finite"
+    assert "'b'" in result.status.sentence or " b" in result.status.sentence
+
+
+def _too_fast() -> dx.Model:
+    return (
+        dx.Model()
+        .rod(dx.line((0, 0, 0), (3, 0, 0)), section(), name="rod", ends=("a", "b"), elements=1, order=1)
+        .clamp("a")
+        .velocity("b", (1e200, 0, 0))
+    )
+
+
+def test_a_step_that_does_not_converge_gives_what_there_is() -> None:
+    model = flying().force("b", lambda t: (0.0, 0.0, 0.0 if t < 0.5 else 1e7))
+    result = dx.simulate(model, t_end=2.0, dt=0.1)
+    assert not result.success and 0.3 < result.t[-1] < 0.7
+    assert len(result.r) == len(result.t) and np.all(np.isfinite(result.r))
+    assert f"t = {result.t[-1]:g}" in result.status.sentence and result.status.advice
+    with pytest.raises(dx.ConvergenceError) as error:
+        dx.simulate(model, t_end=2.0, dt=0.1, raise_on_failure=True)
+    assert error.value.result.t[-1] == result.t[-1]
+
+
+def test_an_interruption_keeps_what_there_is() -> None:
+    def stop(done: float, _: str) -> None:
+        if done > 0.5:
+            raise KeyboardInterrupt
+
+    result = dx.simulate(flying(), t_end=1.0, dt=0.1, progress=stop)
+    assert result.status.code == "interrupted" and not result.success
+    assert 0.5 <= result.t[-1] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "names"),
+    [
+        ({"dt": 0.0}, "dt"),
+        ({"dt": float("nan")}, "dt"),
+        ({"t_end": -1.0}, "t_end"),
+        ({"dt": 0.3}, "dt"),
+        ({"load_rule": "end"}, "load_rule"),
+        ({"save_every": 0}, "save_every"),
+        ({"integrator": "midpoint"}, "integrator"),
+        ({"formulation": "directors"}, "formulation"),
+        ({"tolerance": -1.0}, "tolerance"),
+    ],
+)
+def test_arguments_that_cannot_be_right_are_refused_by_name(change: dict, names: str) -> None:
+    with pytest.raises(dx.ModelError, match=names) as error:
+        dx.simulate(flying(), **{"t_end": 1.0, "dt": 0.1, **change})
+    assert error.value.fix
