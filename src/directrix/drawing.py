@@ -62,7 +62,7 @@ def stage(result: Result, ax: Any) -> Stage:
         else:
             from matplotlib.ticker import MaxNLocator
 
-            with pyplot().rc_context({"grid.color": "#e3e7ea", "grid.linewidth": 0.7}):
+            with pyplot().rc_context({"grid.color": "#d5dade", "grid.linewidth": 0.7}):
                 ax = figure.add_subplot(projection="3d")
             for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
                 axis.pane.set_facecolor("white")
@@ -165,6 +165,11 @@ def plain(text: str) -> str:
 def dots(result: Result) -> dict[str, Any]:
     """Few instants are shown as what they are: points."""
     return {"marker": "o", "ms": 3.0} if len(result.t) <= 25 else {}
+
+
+def evenly(count: int, of: int) -> NDArray[np.int64]:
+    """At most ``count`` of the indices 0 … of - 1, evenly spread, first and last among them."""
+    return np.unique(np.rint(np.linspace(0.0, of - 1.0, min(count, of))).astype(np.int64))
 
 
 def clock(result: Result) -> str:

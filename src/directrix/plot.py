@@ -43,7 +43,7 @@ class Plots:
         """
         result = self.result
         count = len(result.t)
-        if not -count <= at < count:
+        if not -count <= at < count or at % 1:
             raise ModelError(
                 f"there is no saved instant {at}", f"instants are 0 … {count - 1}, or -1 for the last"
             )
@@ -62,7 +62,7 @@ class Plots:
         Raises ModelError when ``frames`` is not a positive whole number.
         """
         result = self.result
-        if frames < 1 or frames != int(frames):
+        if not frames >= 1 or frames % 1:
             raise ModelError(f"frames = {frames} is not a positive whole number", "ask for 1, 2, … shapes")
         stage = draw.stage(result, ax)
         from matplotlib import colormaps, colors
@@ -70,8 +70,7 @@ class Plots:
 
         # viridis without its pale end, which vanishes on white paper
         hues: Any = colors.ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-        last = len(result.t) - 1
-        picked = np.unique(np.linspace(0, last, min(frames, last + 1)).round().astype(int))
+        picked = draw.evenly(frames, len(result.t))
         lo, hi = float(result.t.min()), float(result.t.max())
         norm: Any = colors.Normalize(lo, hi if hi > lo else lo + 1.0)
         draw.ghost(stage, result)
@@ -148,6 +147,10 @@ def compare_energy_momentum(
     a cross and the time. After Figures 7-9 of Romero and Armero, IJNME 54 (2002) 1683-1716.
     Raises ModelError when there is nothing to compare, for a static result, and when the folder is missing.
     """
+    if not snapshots >= 1 or snapshots % 1:
+        raise ModelError(
+            f"snapshots = {snapshots} is not a positive whole number", "ask for 1, 2, … snapshots"
+        )
     if not results:
         raise ModelError(
             "there is no result to compare", "give at least one, such as {'energy-momentum': result}"
@@ -215,7 +218,7 @@ def _total_energies(pen: Any, label: str, first: Result, others: list[tuple[str,
 
 def _snapshots(figure: Any, label: str, result: Result, count: int) -> None:
     """Shapes side by side at one scale, each about its own centre, since a free body wanders off."""
-    picked = np.unique(np.linspace(0, len(result.t) - 1, count).round().astype(int))
+    picked = draw.evenly(count, len(result.t))
     centres = result.r[picked].mean(axis=1)
     reach = float(np.abs(result.r[picked] - centres[:, None]).max()) or 1.0
     figure.suptitle(f"snapshots of the motion, {draw.plain(label)}", fontsize=10, color=draw.INK)

@@ -1,18 +1,19 @@
 """One HDF5 file for two readers: ``/VTKHDF`` is what ParaView shows, ``/directrix`` the result bit for bit.
 
-``/VTKHDF`` follows version 2.0 of the VTKHDF specification (docs.vtk.org, "VTKHDF format specification"): temporal
-PolyData, one line cell per element through its nodes. The lines are written once and every saved instant
-points back to them; only points and data move on. A node that rods share appears once per rod, because each
-rod has directors of its own there.
+``/VTKHDF`` follows version 2.0 of the "VTKHDF format specification" (docs.vtk.org): temporal PolyData, one
+line cell per element through its nodes. The lines are written once and every saved instant points back to
+them; only points and data move on. A node that rods share appears once per rod, because each rod has
+directors of its own there.
 
-``/directrix`` holds arrays as they were and everything textual as JSON.
+``/directrix`` holds arrays as they were and all else as JSON (a tuple in ``info`` comes back as a list).
 """
 
 # pyright: basic
-# (h5py ships no types)
+# (h5py ships no types: a group read from a file is Any)
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import zlib
@@ -41,7 +42,7 @@ HISTORIES = ("t", "load_factor", "r", "R", "v", "Rdot", "reaction", "strain", "f
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> str:
-    """Write ``result`` to ``path`` and return the path. ParaView (5.12 or later) knows the ending ``.vtkhdf``.
+    """Write ``result`` to ``path``, which it returns. ParaView (5.12 or later) knows the ending ``.vtkhdf``.
 
     An older file is replaced only by a complete one: the new one is written beside it first, and an
     interrupted or failed save leaves the old file as it was. Raises InputError when it cannot be written.
@@ -51,24 +52,52 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
     energies. Both carry the index of the rod. Time is ``result.t`` where that increases strictly,
     else (a load factor that turns back) the number of the saved instant.
     """
-    file = Path(path)
-    if file.is_dir():
-        raise InputError("this is a folder, not a file", "name the file to write, such as result.vtkhdf", str(file))
-    if not file.parent.is_dir():
-        raise InputError(f"there is no folder {str(file.parent)!r}", "make the folder first", str(file))
+    file, where = Path(path).resolve(), str(path)  # a link stays a link
+    if os.path.isdir(file):
+        raise InputError("this is a folder, not a file", "name a file in it, such as result.vtkhdf", where)
+    if not os.path.isdir(file.parent):
+        raise InputError(f"there is no folder {str(file.parent)!r}", "make the folder first", where)
     part = file.with_name(f".{uuid4().hex}.part")
     try:
-        with h5py.File(part, "x", locking="best-effort") as root:
-            _write_vtk(root.create_group("VTKHDF"), result)
-            _write_result(root.create_group("directrix"), result)
-        with part.open("rb+") as written:
-            os.fsync(written.fileno())
+        with _Disk(part, "x+") as disk:
+            with h5py.File(disk, "w") as root:
+                _write_vtk(root.create_group("VTKHDF"), result)
+                _write_result(root.create_group("directrix"), result)
+            if disk.failure is not None:
+                raise disk.failure
+            os.fsync(disk.fileno())
         part.replace(file)
-    except (OSError, RuntimeError) as error:  # h5py reports a full disk at closing as RuntimeError
-        raise InputError(f"cannot be written: {error}", "check permissions and free space", str(file)) from None
+    except OSError as error:
+        what = f"cannot be written: {error.strerror or error}"
+        raise InputError(what, "check free space and permissions", where) from None
     finally:
         part.unlink(missing_ok=True)
-    return str(path)
+    return where
+
+
+class _Disk(io.FileIO):
+    """A file under HDF5, which cannot stand a failing write (it may end the process).
+
+    The first failure, a full disk or Ctrl-C, is kept for ``save`` to raise; what follows is dropped.
+    """
+
+    failure: BaseException | None = None
+
+    def write(self, data: Any) -> int:
+        rest = memoryview(data).cast("B")
+        try:
+            while self.failure is None and rest:
+                rest = rest[super().write(rest) :]
+        except BaseException as error:
+            self.failure = error
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            return super().truncate(size) if self.failure is None else 0
+        except BaseException as error:
+            self.failure = error
+            return 0
 
 
 def load(path: str | os.PathLike[str]) -> Result:
@@ -76,9 +105,8 @@ def load(path: str | os.PathLike[str]) -> Result:
 
     Raises InputError for a file that is missing, unreadable, damaged, from a newer format or not ours.
     """
-    file = Path(path)
-    where = str(file)
-    if file.is_dir():
+    file, where = Path(path), str(path)
+    if os.path.isdir(file):
         raise InputError("this is a folder, not a result file", "name the .vtkhdf file in it", where)
     try:
         file.open("rb").close()
@@ -86,21 +114,22 @@ def load(path: str | os.PathLike[str]) -> Result:
         raise InputError("there is no such file", "check the path", where) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", "check the permissions", where) from None
+    ours = "name a file that result.save wrote"
     if not h5py.is_hdf5(file):
-        raise InputError("is not an HDF5 file", "name a file that result.save wrote", where)
+        raise InputError("is not an HDF5 file", ours, where)
     try:
         with h5py.File(file, "r", locking="best-effort") as root:
             group = root.get("directrix")
             if not isinstance(group, h5py.Group) or "format" not in group.attrs:
-                raise InputError("is HDF5 but holds no directrix result", "name a file that result.save wrote", where)
-            if (version := int(group.attrs["format"])) > FORMAT:
-                raise InputError(
-                    f"has format {version}; this directrix reads up to {FORMAT}", "install a newer directrix", where
-                )
+                raise InputError("is HDF5 but holds no directrix result", ours, where)
+            version: Any = group.attrs["format"]
+            if version > FORMAT:
+                what = f"has format {version}; this directrix reads up to {FORMAT}"
+                raise InputError(what, "install a newer directrix", where)
             return _read_result(group)
+    except InputError:
+        raise
     except (OSError, RuntimeError, LookupError, TypeError, ValueError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
         fix = "take an intact copy, or run the case again"
         raise InputError(f"is damaged, perhaps cut short while copying ({error})", fix, where) from None
 
@@ -227,7 +256,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         _put(group, name, np.concatenate([getattr(rod, name) for rod in mesh.rods]))
 
 
-def _read_result(root: h5py.Group) -> Result:
+def _read_result(root: Any) -> Result:
     def text(name: str) -> Any:
         return json.loads(root[name][()])
 
@@ -243,13 +272,14 @@ def _read_result(root: h5py.Group) -> Result:
         sizes[:, 3].tolist(), split("stations", stations), sizes[:, 4].tolist(), split("outline", outline),
         strict=True,
     )  # fmt: skip
+    names, notes = text("node_names"), tuple(text("mesh_notes"))
     audit = text("audit")
     audit["entries"] = tuple(Entry(**entry) for entry in audit["entries"])
     audit["notes"] = tuple(audit["notes"])
     return Result(
         kind=text("kind"),
         name=text("name"),
-        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), text("node_names"), group["r0"][()], tuple(text("mesh_notes"))),
+        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes),
         **{name: root[name][()] for name in HISTORIES},
         energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),

@@ -1,4 +1,4 @@
-"""One self-contained HTML page of a result: nothing is fetched, nothing is installed, it opens from a mail."""
+"""One self-contained HTML page of a result: nothing is fetched, nothing installed; it opens from a mail."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix.drawing import evenly
 from directrix.errors import ModelError
 from directrix.result import Result, RodMesh
 
@@ -32,7 +33,9 @@ def write_html(result: Result, path: str | PathLike[str]) -> str:
     """
     target = Path(path)
     if not target.resolve().parent.is_dir():
-        raise ModelError(f"the folder of {fspath(path)} does not exist", "make it first, or choose another path")
+        raise ModelError(
+            f"the folder of {fspath(path)} does not exist", "make it first, or choose another path"
+        )
     if target.is_dir():
         raise ModelError(f"{fspath(path)} is a folder", "give the name of a file, such as run.html")
     target.write_text(_page(result), encoding="utf-8", newline="\n")
@@ -63,7 +66,7 @@ def _data(result: Result) -> dict[str, Any]:
     stations = result.strain.shape[1]
     room = BYTES_AT_MOST // (4 * (9 * nodes + 12 * stations))
     kept = max(2, min(FRAMES_AT_MOST, room))
-    picked = np.unique(np.linspace(0, count - 1, min(count, kept)).round().astype(int))
+    picked = evenly(kept, count)
     audit, info, energy = result.audit, result.info, result.energy
     scheme = [str(info[key]) for key in ("integrator", "formulation") if key in info]
     return {
@@ -85,7 +88,9 @@ def _data(result: Result) -> dict[str, Any]:
             "r0": _packed(result.mesh.r0, "reference positions"),
             "t": _packed(result.t[picked], "times"),
             "r": _packed(result.r[picked], "positions"),
-            "turn": _packed(np.swapaxes(result.R[picked], -1, -2)[..., :2, :], "rotations"),  # first two columns
+            "turn": _packed(
+                np.swapaxes(result.R[picked], -1, -2)[..., :2, :], "rotations"
+            ),  # first two columns
             "strain": _packed(result.strain[picked], "strains"),
             "force": _packed(result.force[picked], "section forces"),
             "kinetic": _packed(energy.kinetic[picked], "kinetic energies"),
@@ -111,7 +116,8 @@ def _rod(rod: RodMesh) -> dict[str, Any]:
 
 
 def _packed(values: ArrayLike, what: str) -> str:
-    array = np.asarray(values, "<f4")
+    with np.errstate(over="ignore"):
+        array = np.asarray(values, "<f4")
     if not np.isfinite(array).all():
         raise ModelError(
             f"{what}: some numbers are not finite (or beyond 3e38), so there is nothing to show",

@@ -98,24 +98,26 @@ function place(skeleton, r, turn) {
   });
 }
 
-// Centre and reach of everything that is ever shown.
+// Box of everything that is ever shown; `own` is the model's reach about its own centre, wherever that goes.
 function extent(run) {
+  const all = box([run.r0, run.r]), still = box([run.r0]), width = 3 * run.nodes;
+  let own = 0;
+  for (let k = 0; k < run.frames; k++) {
+    const r = run.r.subarray(k * width, (k + 1) * width), c = centroid(r);
+    for (let i = 0; i < width; i += 3) own = Math.max(own, Math.hypot(r[i] - c[0], r[i + 1] - c[1], r[i + 2] - c[2]));
+  }
+  return { ...all, reach: 0.5 * Math.hypot(...all.span) || 1, own: own || 1, size: Math.hypot(...still.span) || 1 };
+}
+
+function box(arrays) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  for (const array of [run.r0, run.r]) {
+  for (const array of arrays) {
     for (let i = 0; i < array.length; i++) {
       low[i % 3] = Math.min(low[i % 3], array[i]);
       high[i % 3] = Math.max(high[i % 3], array[i]);
     }
   }
-  const span = low.map((_, i) => high[i] - low[i]), still = [Infinity, Infinity, Infinity], ends = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < run.r0.length; i++) {
-    still[i % 3] = Math.min(still[i % 3], run.r0[i]);
-    ends[i % 3] = Math.max(ends[i % 3], run.r0[i]);
-  }
-  return {
-    low, high, span, centre: low.map((_, i) => 0.5 * (low[i] + high[i])), reach: 0.5 * Math.hypot(...span) || 1,
-    size: Math.hypot(...still.map((_, i) => ends[i] - still[i])) || 1,
-  };
+  return { low, high, span: low.map((x, i) => high[i] - x), centre: low.map((x, i) => 0.5 * (x + high[i])) };
 }
 
 function centroid(r) {

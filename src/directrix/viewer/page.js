@@ -124,7 +124,7 @@ function chooseColour() {
 
 // ---- the picture in space
 
-const radius = Math.max(0, ...run.rods.flatMap((rod) => Array.from(rod.outline, Math.abs)));
+const radius = run.rods.reduce((most, rod) => rod.outline.reduce((a, x) => Math.max(a, Math.abs(x)), most), 0);
 const thicknesses = [1, 2, 5, 10, 20, 50, 100];
 const fitting = radius > 0 ? thicknesses.find((k) => k * radius >= 0.004 * room.size) || 100 : 1;
 const plainRadius = 0.008 * room.size / fitting;
@@ -136,12 +136,10 @@ function skin() {
 function segments() {
   const lines = [], add = (from, to, colour, width) => lines.push(...from, ...to, ...colour, width * devicePixelRatio);
   const at = (array, k, from = 0) => [array[from + 3 * k], array[from + 3 * k + 1], array[from + 3 * k + 2]];
-  if (checked("ghost")) for (let q = 1; q < seen.still.length; q++) if (!skeleton.rods.some((rod) => rod.firstSample === q)) add(seen.still[q - 1], seen.still[q], seen.ink.ghost3, 1.6);
-  if (!checked("sections") || !scene) {
-    for (const { firstSample, samples } of skeleton.rods) {
-      for (let q = firstSample + 1; q < firstSample + samples; q++) {
-        add(at(skeleton.poses, 3 * (q - 1)), at(skeleton.poses, 3 * q), paints.subarray(3 * q, 3 * q + 3), 3);
-      }
+  for (const { firstSample, samples } of skeleton.rods) {
+    for (let q = firstSample + 1; q < firstSample + samples; q++) {
+      if (checked("ghost")) add(seen.still[q - 1], seen.still[q], seen.ink.ghost3, 1.6);
+      if (!checked("sections")) add(at(skeleton.poses, 3 * (q - 1)), at(skeleton.poses, 3 * q), paints.subarray(3 * q, 3 * q + 3), 3);
     }
   }
   if (checked("directors")) {
@@ -221,7 +219,7 @@ function gizmo(pen, view, x, y) {
 const rising = run.t.every((t, k) => k === 0 || t > run.t[k - 1]); // along an arc the load factor may turn back
 const series = dynamic
   ? [["kinetic", run.kinetic, "kinetic", 1.4], ["stored", run.stored, "stored", 1.4], ["total", run.total, "ink", 2.2]]
-  : [["work done on it", run.work, "soft", 1.4], ["stored", run.stored, "stored", 2]];
+  : [["stored", run.stored, "stored", 2], ["work done on it", run.work, "soft", 1.4, [6, 5]]];
 const frame = { left: 56, right: 12, top: 6, bottom: 18 };
 
 function drawChart() {
@@ -245,13 +243,15 @@ function drawChart() {
   pen.fillText(rising ? brief(run.t[last]) : `instant ${last}`, width - frame.right, height - 4);
   pen.textAlign = "left";
   pen.fillText(rising ? brief(run.t[0]) : "0", frame.left, height - 4);
-  for (const [, array, colour, thick] of series) {
+  for (const [, array, colour, thick, dash] of series) {
+    pen.setLineDash(dash || []);
     pen.strokeStyle = seen.ink[colour];
     pen.lineWidth = thick;
     pen.beginPath();
     array.forEach((v, k) => pen.lineTo(x(k), y(v)));
     pen.stroke();
   }
+  pen.setLineDash([]);
   const k = Math.floor(seen.u), here = x(k) + (seen.u - k) * (x(Math.min(k + 1, last)) - x(k));
   pen.strokeStyle = seen.ink.accent;
   pen.lineWidth = 1.5;
@@ -310,9 +310,19 @@ function render(now) {
 
 function lookFrom(name) {
   if (name !== "fit") [seen.yaw, seen.pitch] = VIEWS[name];
-  const wide = space.clientWidth / Math.max(1, space.clientHeight);
-  seen.target = room.centre.slice();
-  seen.distance = 1.08 * room.reach / Math.sin(0.5 * FIELD) / Math.min(1, wide);
+  const follow = checked("follow"), width = 3 * run.nodes;
+  seen.target = (follow ? seen.home : room.centre).slice();
+  const { right, up, back } = look(seen, 1, 1, room), dot = (v, x, y, z) => v[0] * x + v[1] * y + v[2] * z;
+  const steep = 1 / Math.tan(0.5 * FIELD), flat = steep * space.clientHeight / Math.max(1, space.clientWidth);
+  seen.distance = 0.2 * room.own; // far enough for every node at every instant
+  for (let k = 0; k < run.frames; k++) {
+    const points = run.r.subarray(k * width, (k + 1) * width), about = follow ? centroid(points) : seen.target;
+    for (let i = 0; i < width; i += 3) {
+      const p = [points[i] - about[0], points[i + 1] - about[1], points[i + 2] - about[2]];
+      const needed = dot(back, ...p) + 1.15 * Math.max(flat * Math.abs(dot(right, ...p)), steep * Math.abs(dot(up, ...p)));
+      seen.distance = Math.max(seen.distance, needed);
+    }
+  }
   redraw();
 }
 
@@ -366,7 +376,8 @@ function hands() {
   slider.addEventListener("input", () => { const k = Number(slider.value); play(false); go(k); });
   part("play").addEventListener("click", () => play(!seen.playing));
   for (const button of document.querySelectorAll("[data-look]")) button.addEventListener("click", () => lookFrom(button.dataset.look));
-  for (const id of ["sections", "directors", "ghost", "names", "traces", "follow"]) part(id).addEventListener("change", redraw);
+  for (const id of ["sections", "directors", "ghost", "names", "traces"]) part(id).addEventListener("change", redraw);
+  part("follow").addEventListener("change", () => lookFrom("fit"));
   part("colour").addEventListener("change", () => { chooseColour(); redraw(); });
   part("thickness").addEventListener("change", () => { skin(); redraw(); });
   addEventListener("resize", redraw);
@@ -404,6 +415,7 @@ function begin() {
   place(skeleton, run.r0, Float32Array.from({ length: 6 * run.nodes }, (_, i) => (i % 6 === 0 || i % 6 === 4 ? 1 : 0)));
   seen.still = skeleton.samples.map((_, q) => [...skeleton.poses.subarray(9 * q, 9 * q + 3)]);
   seen.home = centroid(run.r.subarray(0, 3 * run.nodes));
+  part("follow").checked = room.own < 0.7 * room.reach; // a body that flies away would be small in its own picture
   const flat = ["z", "y", "x"].find((name) => room.span["xyz".indexOf(name)] < 1e-6 * room.reach);
   hands();
   lookFrom(flat || "iso");

@@ -28,8 +28,8 @@ out vec4 colour;
 void main() {
   vec3 n = normalize(facing), e = normalize(toward);
   if (dot(n, e) < 0.0) n = -n;
-  float light = 0.42 + 0.38 * max(dot(n, normalize(e + 0.9 * above)), 0.0) + 0.24 * max(dot(n, e), 0.0);
-  float glint = 0.16 * pow(max(dot(n, normalize(2.0 * e + above)), 0.0), 40.0);
+  float light = 0.66 + 0.32 * max(dot(n, normalize(e + 1.2 * above)), 0.0) + 0.16 * max(dot(n, e), 0.0);
+  float glint = 0.14 * pow(max(dot(n, normalize(2.0 * e + above)), 0.0), 40.0);
   colour = vec4(paint * light + glint, 1.0);
 }`;
 

@@ -1,0 +1,71 @@
+"""Arguments that users give: one clear refusal each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from directrix.errors import ModelError
+
+Vec = tuple[float, float, float]
+
+__all__ = ["Vec", "choice", "nearest", "number", "text", "vector", "whole"]
+
+
+def number(value: Any, what: str, *, above: float | None = None, least: float | None = None) -> float:
+    """A finite float, above or at least a bound; raises ModelError that names ``what``."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise ModelError(f"{what} = {value!r} is not a number", "give a finite number")
+    if not np.isfinite(value):
+        raise ModelError(f"{what} = {value} is not finite", "give a finite number")
+    if above is not None and not value > above:
+        raise ModelError(f"{what} = {value:g} is not greater than {above:g}", f"give a number greater than {above:g}")
+    if least is not None and not value >= least:
+        raise ModelError(f"{what} = {value:g} is less than {least:g}", f"give {least:g} or more")
+    return float(value)
+
+
+def whole(value: Any, what: str, low: int, high: int | None = None) -> int:
+    """A whole number within bounds; raises ModelError that names ``what``."""
+    good = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not good or value < low or (high is not None and value > high):
+        span = f"{low} or more" if high is None else f"{low} … {high}"
+        raise ModelError(f"{what} = {value!r} is not a whole number, {span}", f"give a whole number, {span}")
+    return int(value)
+
+
+def vector(value: Any, what: str) -> Vec:
+    """Three finite numbers; raises ModelError that names ``what``."""
+    try:
+        v = np.asarray(value, float)
+    except (TypeError, ValueError):
+        v = np.empty(0)
+    if v.shape != (3,):
+        raise ModelError(f"{what} = {value!r} is not three numbers", "give (x, y, z)")
+    if not np.all(np.isfinite(v)):
+        raise ModelError(f"{what} = {value!r} is not finite", "give three finite numbers")
+    return float(v[0]), float(v[1]), float(v[2])
+
+
+def text(value: Any, what: str) -> str:
+    """A name that is not empty; raises ModelError that names ``what``."""
+    if not isinstance(value, str) or not value.strip():
+        raise ModelError(f"{what} = {value!r} is not a name", "give a text that is not empty")
+    return value
+
+
+def choice(value: Any, what: str, allowed: Iterable[str]) -> str:
+    """One of some words; raises ModelError that names ``what``, the words and the nearest one."""
+    allowed = list(allowed)
+    if value not in allowed:
+        raise ModelError(f"there is no {what} {value!r}", f"{nearest(str(value), allowed)}use one of {', '.join(allowed)}")
+    return str(value)
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """"did you mean 'x'? " for the nearest known word, or nothing."""
+    found = get_close_matches(word, list(known), 1)
+    return f"did you mean {found[0]!r}? " if found else ""

@@ -1,0 +1,382 @@
+"""Axes of rods: position and frame by arclength.
+
+A frame has the columns d1, d2, d3; d3 is the tangent and the frame is rotation-minimising (it never turns about
+the tangent). At the start d1 is the part of ``d1=`` normal to the tangent; its default is the Cartesian axis least
+aligned with the tangent, ties to the lowest index.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from directrix.checks import Vec, choice, number, vector
+from directrix.errors import ModelError
+from directrix.rotations import exp, smallest_rotation
+
+Array = NDArray[np.float64]
+DirectorRule = Literal["tangent", "chord"]
+
+__all__ = ["Arc", "Curve", "Helix", "Polyline", "Spline", "arc", "helix", "line", "polyline", "spline"]
+
+
+class Curve(Protocol):
+    """What the mesh asks of an axis.
+
+    ``length``; ``breaks``, the arclengths of its kinks; ``directors``, "tangent" (the frame of the curve at each
+    node) or "chord" (constant along each, straight, element).
+    """
+
+    @property
+    def length(self) -> float: ...
+    @property
+    def breaks(self) -> tuple[float, ...]: ...
+    @property
+    def directors(self) -> str: ...
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3) at arclengths (…)."""
+        ...
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3) at arclengths ``s``; ``inside``, of the same shape, says on which side of a kink."""
+        ...
+
+
+def first_frame(tangent: Array, d1: Vec | None) -> Array:
+    """Frame (3, 3) at the start of a curve; raises ModelError when d1 is along the tangent."""
+    wanted = np.eye(3)[np.argmin(np.round(np.abs(tangent), 12))] if d1 is None else np.asarray(d1)
+    normal = wanted - (wanted @ tangent) * tangent
+    size = np.linalg.norm(normal)
+    if size <= 1e-9 * np.linalg.norm(wanted):
+        raise ModelError(f"d1 = {d1} is along the rod at its start", "give a vector that is not parallel to the axis")
+    normal = normal / size
+    return np.stack([normal, np.cross(tangent, normal), tangent], -1)
+
+
+def _options(directors: str, d1: Any) -> tuple[str, Vec | None]:
+    choice(directors, "rule for directors", ("tangent", "chord"))
+    if d1 is not None:
+        d1 = vector(d1, "d1")
+        if not any(d1):
+            raise ModelError("d1 = (0, 0, 0) has no direction", "give a vector normal to the axis at the start")
+    return directors, d1
+
+
+def _points(points: Any, what: str, least: int) -> tuple[Vec, ...]:
+    try:
+        given = tuple(vector(p, f"point {k} of the {what}") for k, p in enumerate(points))
+    except TypeError as error:
+        raise ModelError(f"the points of a {what} are not a list of points", "give [(x, y, z), …]") from error
+    if len(given) < least:
+        raise ModelError(f"a {what} needs {least} points or more, {len(given)} given", "add points")
+    for k, (a, b) in enumerate(zip(given[:-1], given[1:], strict=True)):
+        if np.linalg.norm(np.subtract(b, a)) <= 1e-12 * max(1.0, np.abs(given).max()):
+            raise ModelError(f"points {k} and {k + 1} of the {what} are the same, {a}", "remove one of them")
+    return given
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Straight parts between points; a line is the one with two points."""
+
+    points: tuple[Vec, ...]
+    directors: str = "tangent"
+    d1: Vec | None = None
+
+    @cached_property
+    def _corners(self) -> Array:
+        return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points, axis=0), axis=1))])
+
+    @cached_property
+    def _frames(self) -> Array:
+        parts = np.diff(self.points, axis=0)
+        tangents = parts / np.linalg.norm(parts, axis=1, keepdims=True)
+        out = [first_frame(tangents[0], self.d1)]
+        for a, b in zip(tangents[:-1], tangents[1:], strict=True):
+            out.append(smallest_rotation(a, b) @ out[-1])
+        return np.array(out)
+
+    @property
+    def length(self) -> float:
+        """Sum of the parts."""
+        return float(self._corners[-1])
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """The corners."""
+        return tuple(float(s) for s in self._corners[1:-1])
+
+    def _part(self, s: ArrayLike) -> NDArray[np.int64]:
+        return np.clip(np.searchsorted(self._corners, s, side="right") - 1, 0, len(self.points) - 2)
+
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3)."""
+        k = self._part(s)
+        p = np.asarray(self.points)
+        share = (np.asarray(s, float) - self._corners[k]) / np.diff(self._corners)[k]
+        return p[k] * (1.0 - share[..., None]) + p[k + 1] * share[..., None]
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3), constant along each part."""
+        return self._frames[self._part(inside)]
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Part of a circle from ``start`` through a point to ``end``."""
+
+    start: Vec
+    through: Vec
+    end: Vec
+    directors: str = "tangent"
+    d1: Vec | None = None
+
+    @cached_property
+    def _circle(self) -> tuple[Array, Array, float, Array]:
+        """Centre, axis of the turn, angle, frame at the start."""
+        a, b, c = (np.asarray(p) for p in (self.start, self.through, self.end))
+        u, v = b - a, c - a
+        normal = np.cross(u, v)
+        area = normal @ normal
+        centre = a + (np.cross(normal, u) * (v @ v) + np.cross(v, normal) * (u @ u)) / (2.0 * area)
+        axis = normal / np.sqrt(area)
+        x = a - centre
+        y = np.cross(axis, x)
+        angle = np.arctan2((c - centre) @ y, (c - centre) @ x) % (2.0 * np.pi)
+        return centre, axis, float(angle), first_frame(y / np.linalg.norm(y), self.d1)
+
+    @property
+    def length(self) -> float:
+        """Radius times angle."""
+        centre, _, angle, _ = self._circle
+        return float(np.linalg.norm(np.subtract(self.start, centre)) * angle)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def _turn(self, s: ArrayLike) -> Array:
+        _, axis, angle, _ = self._circle
+        return exp((np.asarray(s, float) / self.length * angle)[..., None] * axis)
+
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3)."""
+        centre = self._circle[0]
+        return centre + self._turn(s) @ (np.asarray(self.start) - centre)
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3): the one at the start, turned with the radius."""
+        return self._turn(s) @ self._circle[3]
+
+
+@dataclass(frozen=True)
+class Helix:
+    """Winds around an axis; ``turns`` < 0 is left-handed."""
+
+    radius: float
+    pitch: float
+    turns: float
+    origin: Vec
+    axis: Vec
+    toward: Vec | None
+    directors: str = "tangent"
+    d1: Vec | None = None
+
+    @cached_property
+    def _base(self) -> Array:
+        """Columns: from the axis to the start, sideways, along the axis."""
+        axis = np.asarray(self.axis)
+        return first_frame(axis / np.linalg.norm(axis), self.toward)
+
+    @property
+    def _sense(self) -> tuple[float, float, float]:
+        """Angle and climb per arclength, and the sine of the climb."""
+        climb = self.pitch / (2.0 * np.pi)
+        speed = float(np.hypot(self.radius, climb))
+        return float(np.sign(self.turns)) / speed, climb / speed, climb
+
+    @property
+    def length(self) -> float:
+        """Of the whole wire."""
+        return float(2.0 * np.pi * abs(self.turns) * np.hypot(self.radius, self.pitch / (2.0 * np.pi)))
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3)."""
+        s = np.asarray(s, float)
+        turn, climb, _ = self._sense
+        local = np.stack([self.radius * np.cos(turn * s), self.radius * np.sin(turn * s), climb * s], -1)
+        return np.asarray(self.origin) + local @ self._base.T
+
+    def _frenet(self, s: Array) -> Array:
+        turn, climb, _ = self._sense
+        c, d, side = np.cos(turn * s), np.sin(turn * s), self.radius * turn
+        tangent = np.stack([-side * d, side * c, np.full_like(s, climb)], -1)
+        normal = np.stack([-c, -d, np.zeros_like(s)], -1)
+        return self._base @ np.stack([normal, np.cross(tangent, normal), tangent], -1)
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3): Frenet's, turned back by the torsion that it has collected."""
+        s = np.asarray(s, float)
+        turn, climb, _ = self._sense
+        start = self._frenet(np.zeros(()))
+        first = first_frame(start[:, 2], self.d1)
+        back = np.zeros((*s.shape, 3))
+        back[..., 2] = -turn * climb * s
+        return self._frenet(s) @ exp(back) @ (start.T @ first)
+
+
+@dataclass(frozen=True)
+class Spline:
+    """Cubic spline through points, twice continuously differentiable, by arclength."""
+
+    points: tuple[Vec, ...]
+    directors: str = "tangent"
+    d1: Vec | None = None
+
+    @cached_property
+    def _table(self) -> tuple[Any, Array, Array, Array]:
+        """The spline by its own parameter, a fine grid of that, arclength and frame there."""
+        p = np.asarray(self.points)
+        knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
+        spline = CubicSpline(knots, p)
+        fine = max(64, 2048 // (len(p) - 1))
+        u = np.concatenate([np.linspace(a, b, fine, endpoint=False) for a, b in zip(knots[:-1], knots[1:], strict=True)])
+        u = np.append(u, knots[-1])
+        s = np.concatenate([[0.0], np.cumsum(_arclength(spline, u[:-1], u[1:]))])
+        r, slope = spline(u), spline(u, 1)
+        t = slope / np.linalg.norm(slope, axis=1, keepdims=True)
+        frames = [first_frame(t[0], self.d1)]
+        for k in range(len(u) - 1):
+            frames.append(_carried(frames[-1], r[k + 1] - r[k], t[k + 1]))
+        return spline, u, s, np.array(frames)
+
+    @property
+    def length(self) -> float:
+        """Arclength of the whole spline."""
+        return float(self._table[2][-1])
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def _parameter(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
+        spline, grid, lengths, _ = self._table
+        k = np.clip(np.searchsorted(lengths, s, side="right") - 1, 0, len(grid) - 2)
+        u = grid[k] + (s - lengths[k]) / np.diff(lengths)[k] * np.diff(grid)[k]
+        for _ in range(4):
+            miss = lengths[k] + _arclength(spline, grid[k], u) - s
+            u = u - miss / np.linalg.norm(spline(u, 1), axis=-1)
+        return u, k
+
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3)."""
+        return self._table[0](self._parameter(np.asarray(s, float))[0])
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3), carried from the nearest of the table."""
+        s = np.asarray(s, float)
+        spline, grid, _, frames = self._table
+        u, k = self._parameter(s)
+        slope = spline(u, 1)
+        t = slope / np.linalg.norm(slope, axis=-1, keepdims=True)
+        step = spline(u) - spline(grid[k])
+        out = np.empty((*s.shape, 3, 3))
+        for index in np.ndindex(s.shape):
+            out[index] = _carried(frames[k[index]], step[index], t[index])
+        return out
+
+
+def _arclength(spline: Any, a: Array, b: Array) -> Array:
+    xi, w = np.polynomial.legendre.leggauss(5)
+    half = 0.5 * (b - a)
+    u = 0.5 * (a + b)[..., None] + half[..., None] * xi
+    return half * np.sum(w * np.linalg.norm(spline(u, 1), axis=-1), -1)
+
+
+def _carried(frame: Array, step: Array, tangent: Array) -> Array:
+    """Rotation-minimising frame at the next point: double reflection (Wang, Jüttler, Zheng & Liu 2008), order 4."""
+    square = step @ step
+    if square == 0.0:
+        return smallest_rotation(frame[:, 2], tangent) @ frame
+    moved = frame - np.outer(step, 2.0 / square * (step @ frame))
+    gap = tangent - moved[:, 2]
+    width = gap @ gap
+    if width > 0.0:
+        moved = moved - np.outer(gap, 2.0 / width * (gap @ moved))
+    d1 = moved[:, 0] - (moved[:, 0] @ tangent) * tangent
+    d1 = d1 / np.linalg.norm(d1)
+    return np.stack([d1, np.cross(tangent, d1), tangent], -1)
+
+
+def line(start: ArrayLike, end: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
+    """A straight axis between two points; raises ModelError when they coincide."""
+    curve = Polyline(_points([start, end], "line", 2), *_options(directors, d1))
+    curve.frames(0.0, 0.0)
+    return curve
+
+
+def polyline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
+    """Straight parts between points (k, 3); every corner gets a node. The frame turns least at a corner.
+
+    Raises ModelError for fewer than two points, coincident neighbours or a corner that turns back on itself.
+    """
+    curve = Polyline(_points(points, "polyline", 2), *_options(directors, d1))
+    if not np.all(np.isfinite(curve.frames(0.0, 0.0))) or not np.all(np.isfinite(curve._frames)):  # pyright: ignore[reportPrivateUsage]
+        raise ModelError("a corner of the polyline turns back on itself", "insert a point or end the rod there")
+    return curve
+
+
+def arc(
+    start: ArrayLike, through: ArrayLike, end: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None
+) -> Arc:
+    """Part of a circle through three points; raises ModelError when they lie on a line."""
+    a, b, c = _points([start, through, end], "arc", 3)
+    u, v = np.subtract(b, a), np.subtract(c, a)
+    if np.linalg.norm(np.cross(u, v)) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
+        raise ModelError(f"the points {a}, {b}, {c} of an arc lie on a line", "use line, or move a point off it")
+    curve = Arc(a, b, c, *_options(directors, d1))
+    curve.frames(0.0, 0.0)
+    return curve
+
+
+def helix(
+    *, radius: float, pitch: float, turns: float, origin: ArrayLike = (0, 0, 0), axis: ArrayLike = (0, 0, 1),
+    toward: ArrayLike | None = None, directors: DirectorRule = "tangent", d1: ArrayLike | None = None,
+) -> Helix:  # fmt: skip
+    """A helix around ``axis`` through ``origin``, climbing ``pitch`` a turn; ``turns`` < 0 winds left-handed.
+
+    It starts at ``origin`` + ``radius`` in the direction ``toward`` (its part normal to the axis; default: the
+    Cartesian axis least aligned with ``axis``). Raises ModelError for a radius or number of turns of zero.
+    """
+    r, p, n = number(radius, "radius", above=0.0), number(pitch, "pitch"), number(turns, "turns")
+    if n == 0.0:
+        raise ModelError("turns = 0 is no helix", "give a number of turns, < 0 for a left-handed one")
+    along = vector(axis, "axis")
+    if not any(along):
+        raise ModelError("axis = (0, 0, 0) has no direction", "give a vector")
+    aside = None if toward is None else vector(toward, "toward")
+    curve = Helix(r, p, n, vector(origin, "origin"), along, aside, *_options(directors, d1))
+    curve.frames(0.0, 0.0)
+    return curve
+
+
+def spline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Spline:
+    """A smooth axis through points (k, 3), k ≥ 3: cubic spline by chord length.
+
+    Raises ModelError for fewer than three points or coincident neighbours.
+    """
+    curve = Spline(_points(points, "spline", 3), *_options(directors, d1))
+    curve.frames(0.0, 0.0)
+    return curve

@@ -1,0 +1,430 @@
+"""The model: rods, supports, loads and initial velocities, as frozen values. A method that adds returns a new model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from directrix.checks import Vec, choice, nearest, text, vector, whole
+from directrix.curves import Curve
+from directrix.errors import ModelError
+from directrix.section import Section
+
+VecOrFn = Vec | Callable[[float], ArrayLike]
+DOFS = ("x", "y", "z", "rx", "ry", "rz")
+SAME_PLACE = 1e-9  # of the model's size
+
+__all__ = [
+    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Prescribed", "RigidVelocity", "Rod", "Support",
+    "Vec", "VecOrFn", "Velocity",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A rod: its axis, section, end nodes, mesh; ``nodes`` pairs names with fractions of arclength."""
+
+    name: str
+    curve: Curve
+    section: Section
+    ends: tuple[str, str]
+    elements: int
+    order: int = 2
+    points: int | None = None
+    nodes: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All its named nodes."""
+        return (*self.ends, *(name for name, _ in self.nodes))
+
+
+@dataclass(frozen=True)
+class Support:
+    """Components of a node that do not move."""
+
+    node: str
+    dofs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """Displacement and rotation vector (from the reference, applied on the left) of a node, given."""
+
+    node: str
+    displacement: VecOrFn | None = None
+    rotation: VecOrFn | None = None
+
+
+@dataclass(frozen=True)
+class Force:
+    """Dead force on a node, global frame."""
+
+    node: str
+    value: VecOrFn
+    constant: bool = False
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Spatial moment on a node, global frame."""
+
+    node: str
+    value: VecOrFn
+    constant: bool = False
+
+
+@dataclass(frozen=True)
+class Distributed:
+    """Dead force per unit reference length of a rod, global frame."""
+
+    rod: str
+    value: VecOrFn
+    constant: bool = False
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Acceleration of gravity on everything that has mass."""
+
+    value: VecOrFn
+    constant: bool = False
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """Initial velocity and angular velocity of one node."""
+
+    node: str
+    v: Vec
+    omega: Vec = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class RigidVelocity:
+    """Initial velocity of the whole model as one rigid body."""
+
+    v: Vec
+    omega: Vec = (0.0, 0.0, 0.0)
+    about: Vec = (0.0, 0.0, 0.0)
+
+
+Load = Force | Moment | Distributed | Gravity
+
+
+def _value(value: Any, what: str) -> VecOrFn:
+    return value if callable(value) else vector(value, what)
+
+
+@dataclass(frozen=True)
+class Model:
+    """Rods and what acts on them. Start from ``Model()`` and add; every method returns a new model.
+
+    Raises ModelError as soon as something cannot be right; :meth:`check` looks at the whole.
+    """
+
+    name: str = "model"
+    rods: tuple[Rod, ...] = ()
+    supports: tuple[Support, ...] = ()
+    prescribed: tuple[Prescribed, ...] = ()
+    loads: tuple[Load, ...] = ()
+    velocities: tuple[Velocity | RigidVelocity, ...] = ()
+
+    def rod(
+        self,
+        curve: Curve,
+        section: Section,
+        *,
+        name: str | None = None,
+        ends: tuple[str, str] | None = None,
+        elements: int = 10,
+        order: int = 2,
+        points: int | None = None,
+        nodes: Mapping[str, float] | None = None,
+    ) -> Self:
+        """Add a rod.
+
+        Parameters
+        ----------
+        curve, section
+            Axis and cross-section.
+        name
+            Its name; "rod1", "rod2", … by default.
+        ends
+            Names of its end nodes; equal names at equal places are rigidly joined. Default "<name>.start", "<name>.end".
+        elements
+            Number of elements; more where kinks or named nodes ask for it.
+        order
+            1, 2 or 3. Linear elements are too flexible on coarse meshes.
+        points
+            Gauss points for the stresses; None is the reduced rule, as many as ``order``.
+        nodes
+            Names of interior nodes and where they are, as fractions of the arclength.
+        """
+        name = text(name if name is not None else f"rod{len(self.rods) + 1}", "name of a rod")
+        where = f"rod {name!r}"
+        if any(r.name == name for r in self.rods):
+            raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
+        if not all(hasattr(curve, a) for a in ("position", "frames", "length", "breaks")):
+            raise ModelError(f"{where}: {curve!r} is not a curve", "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline")
+        if not isinstance(section, Section):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ModelError(f"{where}: {section!r} is not a section", "use dx.Section")
+        pair: Any = ends if ends is not None else (f"{name}.start", f"{name}.end")
+        if isinstance(pair, str) or len(pair) != 2:
+            raise ModelError(f"{where}: ends = {pair!r} are not two names", 'give ends=("A", "B")')
+        start, end = (text(e, f"{where}: name of an end") for e in pair)
+        if start == end:
+            raise ModelError(f"{where}: both ends are called {start!r}", "a closed ring needs two rods")
+        order = whole(order, f"{where}: order", 1, 3)
+        elements = whole(elements, f"{where}: elements", 1)
+        if points is not None:
+            points = whole(points, f"{where}: points", 1, order + 1)
+        inner: list[tuple[str, float]] = []
+        for node, fraction in dict(nodes or {}).items():
+            inner.append(_interior(where, node, fraction, (start, end, *(n for n, _ in inner))))
+        return replace(
+            self, rods=(*self.rods, Rod(name, curve, section, (start, end), elements, order, points, tuple(inner)))
+        )
+
+    def split(self, rod: str, nodes: Mapping[str, float]) -> Self:
+        """Name interior nodes of a rod by their fractions of its arclength."""
+        old = self._rod(rod)
+        inner = list(old.nodes)
+        for node, fraction in nodes.items():
+            inner.append(_interior(f"rod {rod!r}", node, fraction, (*old.ends, *(n for n, _ in inner))))
+        new = replace(old, nodes=tuple(inner))
+        return replace(self, rods=tuple(new if r is old else r for r in self.rods))
+
+    def named(self, name: str) -> Self:
+        """The same model under another name."""
+        return replace(self, name=text(name, "name of the model"))
+
+    def clamp(self, node: str) -> Self:
+        """Hold position and rotation of a node."""
+        return self.fix(node, *DOFS)
+
+    def pin(self, node: str) -> Self:
+        """Hold the position of a node."""
+        return self.fix(node, "x", "y", "z")
+
+    def fix(self, node: str, *dofs: str) -> Self:
+        """Hold components of a node: "x", "y", "z", "rx", "ry", "rz" (two or three rotations, never one alone)."""
+        node = text(node, "name of a node")
+        if not dofs:
+            raise ModelError(f"node {node!r}: nothing is fixed", f"name components of {', '.join(DOFS)}")
+        for dof in dofs:
+            choice(dof, f"component of node {node!r}", DOFS)
+        if sum(dof[0] == "r" for dof in set(dofs)) == 1:
+            (only,) = {dof for dof in dofs if dof[0] == "r"}
+            raise ModelError(
+                f"node {node!r}: {only} alone is no constraint that finite rotations have",
+                "fix two rotations (it then turns about the third axis) or all three",
+            )
+        return replace(self, supports=(*self.supports, Support(node, tuple(d for d in DOFS if d in dofs))))
+
+    def prescribe(self, node: str, *, displacement: Any = None, rotation: Any = None) -> Self:
+        """Move a node: vectors or functions of time (statics: of the load factor; a vector ramps with it)."""
+        node = text(node, "name of a node")
+        if displacement is None and rotation is None:
+            raise ModelError(f"node {node!r}: nothing is prescribed", "give displacement= or rotation=")
+        u, t = (
+            None if v is None else _value(v, f"prescribed {k} of node {node!r}")
+            for k, v in (("displacement", displacement), ("rotation", rotation))
+        )
+        return replace(self, prescribed=(*self.prescribed, Prescribed(node, u, t)))
+
+    def force(self, node: str, f: Any, *, constant: bool = False, follower: bool = False) -> Self:
+        """Dead force on a node: a vector or a function of time."""
+        if follower:
+            raise ModelError(f"node {node!r}: follower forces are not there yet", "use a dead force")
+        node = text(node, "name of a node")
+        return replace(self, loads=(*self.loads, Force(node, _value(f, f"force on node {node!r}"), constant)))
+
+    def moment(self, node: str, m: Any, *, constant: bool = False) -> Self:
+        """Spatial moment on a node: a vector or a function of time."""
+        node = text(node, "name of a node")
+        return replace(self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant)))
+
+    def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
+        """Dead force per unit reference length of a rod: a vector or a function of time."""
+        rod = text(rod, "name of a rod")
+        return replace(self, loads=(*self.loads, Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), constant)))
+
+    def gravity(self, g: Any, *, constant: bool = False) -> Self:
+        """Acceleration of gravity: a vector or a function of time."""
+        if any(isinstance(load, Gravity) for load in self.loads):
+            raise ModelError("gravity is given twice", "give one vector")
+        return replace(self, loads=(*self.loads, Gravity(_value(g, "gravity"), constant)))
+
+    def velocity(self, node: str, v: Any, omega: Any = (0, 0, 0)) -> Self:
+        """Initial velocity of this node alone (the shape functions do the rest)."""
+        node = text(node, "name of a node")
+        if any(isinstance(given, Velocity) and given.node == node for given in self.velocities):
+            raise ModelError(f"node {node!r} has two initial velocities", "give one, their sum if that is meant")
+        new = Velocity(node, vector(v, f"velocity of node {node!r}"), vector(omega, f"omega of node {node!r}"))
+        return replace(self, velocities=(*self.velocities, new))
+
+    def rigid_velocity(self, v: Any = (0, 0, 0), omega: Any = (0, 0, 0), about: Any = (0, 0, 0)) -> Self:
+        """Initial velocity of the whole model, v + omega × (r − about); nodal ones are added to it."""
+        new = RigidVelocity(*(vector(x, k) for k, x in (("v", v), ("omega", omega), ("about", about))))
+        return replace(self, velocities=(*self.velocities, new))
+
+    def check(self, *, static: bool = False, dynamic: bool = False) -> None:
+        """Look at the whole; raises ModelError for the first thing that cannot be right.
+
+        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
+        """
+        if not self.rods:
+            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
+        places = self._places()
+        self._known(places)
+        self._values()
+        held = self._held()
+        for given in self.velocities:
+            if isinstance(given, Velocity):
+                for k, dof in enumerate(DOFS):
+                    if dof in held.get(given.node, ()) and (*given.v, *given.omega)[k] != 0.0:
+                        raise ModelError(
+                            f"node {given.node!r} is held in {dof} and has an initial velocity there",
+                            "remove one of them (a prescribed motion moves the node by itself)",
+                        )
+        if static:
+            self._supported(held)
+        if dynamic:
+            for rod in self.rods:
+                if rod.section.A_rho == 0.0:
+                    raise ModelError(f"rod {rod.name!r} has no mass", "give its section rho= or A_rho=")
+                if np.trace(rod.section.I_rho) == 0.0:
+                    raise ModelError(
+                        f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
+                        "give its section I_rho1= and I_rho2=",
+                    )
+
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
+        said = [a for rod in self.rods for a in rod.section.assumptions]
+        places = list(self._places().items())
+        size = self._size([p for _, p in places])
+        for k, (a, p) in enumerate(places):
+            for b, q in places[k + 1 :]:
+                if np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
+                    said.append(f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them")
+        return tuple(dict.fromkeys(said))
+
+    def _rod(self, name: str) -> Rod:
+        for rod in self.rods:
+            if rod.name == name:
+                return rod
+        names = [r.name for r in self.rods]
+        raise ModelError(f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}")
+
+    @staticmethod
+    def _size(points: list[Any]) -> float:
+        return float(max(np.ptp(np.array(points), axis=0).max(), 1e-300))
+
+    def _places(self) -> dict[str, Any]:
+        """Where the named nodes are; refuses one name at two places."""
+        found: dict[str, tuple[Any, str]] = {}
+        ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
+        points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
+        size = self._size(points)
+        for (rod, name, _), point in zip(ends, points, strict=True):
+            if name in found:
+                other, owner = found[name]
+                gap = float(np.linalg.norm(point - other))
+                if gap > SAME_PLACE * size:
+                    raise ModelError(
+                        f"node {name!r} is at {_show(other)} on rod {owner!r} and at {_show(point)} on rod {rod.name!r}, {gap:.3g} apart",
+                        "give the ends the same position, or different names",
+                    )
+            found[name] = (point, rod.name)
+        return {name: point for name, (point, _) in found.items()}
+
+    def _known(self, places: Mapping[str, Any]) -> None:
+        about: list[tuple[str, str]] = [("support", s.node) for s in self.supports]
+        about += [("prescribed motion", p.node) for p in self.prescribed]
+        about += [("load", load.node) for load in self.loads if isinstance(load, (Force, Moment))]
+        about += [("initial velocity", v.node) for v in self.velocities if isinstance(v, Velocity)]
+        for what, node in about:
+            if node not in places:
+                raise ModelError(
+                    f"there is no node {node!r} for the {what}", f"{nearest(node, places)}nodes are {', '.join(places)}"
+                )
+        for load in self.loads:
+            if isinstance(load, Distributed):
+                self._rod(load.rod)
+        if any(isinstance(load, Gravity) for load in self.loads) and not any(r.section.A_rho for r in self.rods):
+            raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
+
+    def _values(self) -> None:
+        """Functions of time are tried once, so that a wrong one is found before anything runs."""
+        tried: list[tuple[str, Any]] = []
+        for p in self.prescribed:
+            tried += [(f"prescribed {k} of node {p.node!r}", v) for k, v in (("displacement", p.displacement), ("rotation", p.rotation))]
+        for load in self.loads:
+            place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
+            tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
+        for what, value in tried:
+            if callable(value):
+                try:
+                    out = value(0.0)
+                except Exception as error:  # whatever a user's function raises
+                    raise ModelError(f"{what}: the function fails at t = 0: {error!r}", "it is called with one number") from error
+                vector(out, f"{what} at t = 0")
+
+    def _held(self) -> dict[str, set[str]]:
+        """Held components of every node; refuses a component that is held twice."""
+        held: dict[str, set[str]] = {}
+        given: Iterable[tuple[str, tuple[str, ...]]] = [
+            *((s.node, s.dofs) for s in self.supports),
+            *((p.node, DOFS[:3]) for p in self.prescribed if p.displacement is not None),
+            *((p.node, DOFS[3:]) for p in self.prescribed if p.rotation is not None),
+        ]
+        for node, dofs in given:
+            twice = held.setdefault(node, set()) & set(dofs)
+            if twice:
+                raise ModelError(
+                    f"node {node!r} is held twice in {', '.join(d for d in DOFS if d in twice)}", "keep one support or prescribed motion"
+                )
+            held[node] |= set(dofs)
+        return held
+
+    def _supported(self, held: Mapping[str, set[str]]) -> None:
+        """Statics: every connected part needs a support."""
+        part = {name: name for rod in self.rods for name in rod.names}
+
+        def root(name: str) -> str:
+            while part[name] != name:
+                name = part[name]
+            return name
+
+        for rod in self.rods:
+            for name in rod.names[1:]:
+                part[root(name)] = root(rod.names[0])
+        good = {root(name) for name in held}
+        for rod in self.rods:
+            if root(rod.ends[0]) not in good:
+                raise ModelError(
+                    f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
+                    "add .clamp, .pin or .fix, or use dx.simulate",
+                )
+
+
+def _interior(where: str, node: Any, fraction: Any, taken: tuple[str, ...]) -> tuple[str, float]:
+    node = text(node, f"{where}: name of an interior node")
+    if node in taken:
+        raise ModelError(f"{where}: there are two nodes {node!r} on it", "give each node a name of its own")
+    good = isinstance(fraction, (int, float)) and not isinstance(fraction, bool)
+    if not good or not 0.0 < fraction < 1.0:
+        raise ModelError(
+            f"{where}: node {node!r} at {fraction!r} is not inside the rod", "give a fraction of its arclength between 0 and 1"
+        )
+    return node, float(fraction)
+
+
+def _show(point: Any) -> str:
+    return "(" + ", ".join(f"{c:g}" for c in point) + ")"

@@ -1,0 +1,220 @@
+"""Cross-sections: stiffness and inertia of a rod per unit length, in its frame d1, d2, d3.
+
+Components are always (shear 1, shear 2, axial, bending 1, bending 2, torsion); bending 1 turns *about* d1,
+EI1 = E ∫ξ2² dA. The Euler dyadic I_ρ,αβ = ∫ρ ξα ξβ dA (paper 31) sits on (d1, d2), so I_rho2 belongs with EI1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from directrix.checks import choice, number
+from directrix.errors import ModelError
+
+Array = NDArray[np.float64]
+
+__all__ = ["Section"]
+
+ORDERS = {"shear-axial": (0, 1, 2, 3, 4, 5), "axial-first": (1, 2, 0, 4, 5, 3)}
+
+
+def _matrix(value: Any, what: str, size: int) -> Array:
+    try:
+        a = np.array(value, float)
+    except (TypeError, ValueError):
+        a = np.empty(0)
+    if a.shape != (size, size):
+        raise ModelError(f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers")
+    if not np.all(np.isfinite(a)):
+        raise ModelError(f"{what} is not finite", "give finite numbers")
+    if np.abs(a - a.T).max() > 1e-9 * max(np.abs(a).max(), 1e-300):
+        raise ModelError(f"{what} is not symmetric", "give ½(A + Aᵀ) if that is what is meant")
+    a = 0.5 * (a + a.T)
+    a.setflags(write=False)
+    return a
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A section by its 6×6 stiffness.
+
+    Parameters
+    ----------
+    stiffness
+        (6, 6), symmetric and positive definite, in force units (shear, axial) and force·length² (bending, torsion).
+    A_rho
+        Mass per unit length.
+    I_rho
+        (2, 2) rotary inertia ∫ρ ξα ξβ dA per unit length.
+    order
+        Of the rows of ``stiffness``: "shear-axial" (shear 1, shear 2, axial, bending 1, bending 2, torsion) or
+        "axial-first" (axial, shear 1, shear 2, torsion, bending 1, bending 2). Kept as "shear-axial".
+    outline
+        (k, 2) polygon of the section in (d1, d2), for pictures.
+    assumptions
+        Sentences on what a constructor assumed; ``check`` prints them.
+
+    Raises
+    ------
+    ModelError
+        Something is not finite, not symmetric or not positive.
+    """
+
+    stiffness: Array
+    A_rho: float = 0.0
+    I_rho: Array = field(default_factory=lambda: np.zeros((2, 2)))
+    order: str = field(kw_only=True)
+    outline: Array = field(default_factory=lambda: np.zeros((0, 2)), kw_only=True)
+    assumptions: tuple[str, ...] = field(default=(), kw_only=True)
+
+    def __post_init__(self) -> None:
+        rows = ORDERS[choice(self.order, "order of a stiffness", ORDERS)]
+        c = _matrix(self.stiffness, "the stiffness of a section", 6)[np.ix_(rows, rows)]
+        if np.linalg.eigvalsh(_scaled(c))[0] <= 1e-12:
+            raise ModelError(
+                "the stiffness of a section is not positive definite", "every deformation must cost energy: check the signs"
+            )
+        inertia = _matrix(self.I_rho, "I_rho of a section", 2)
+        if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
+            raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
+        outline = np.array(self.outline, float).reshape(-1, 2)
+        for a in (c, outline):
+            a.setflags(write=False)
+        for name, value in {
+            "stiffness": c, "A_rho": number(self.A_rho, "A_rho", least=0.0), "I_rho": inertia,
+            "order": "shear-axial", "outline": outline,
+        }.items():  # fmt: skip
+            object.__setattr__(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Section) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def _key(self) -> tuple[object, ...]:
+        return self.stiffness.tobytes(), self.A_rho, self.I_rho.tobytes(), self.outline.tobytes(), self.assumptions
+
+    @classmethod
+    def from_moduli(
+        cls, *, EA: float, GA1: float, GA2: float, EI1: float, EI2: float, GJ: float,
+        A_rho: float = 0.0, I_rho1: float = 0.0, I_rho2: float = 0.0,
+    ) -> Self:  # fmt: skip
+        """Principal stiffnesses; GA1, GA2 with their shear factors in them. I_rho1 = ∫ρ ξ1² dA sits on d1."""
+        given = {"GA1": GA1, "GA2": GA2, "EA": EA, "EI1": EI1, "EI2": EI2, "GJ": GJ}
+        c = np.diag([number(v, k, above=0.0) for k, v in given.items()])
+        inertia = np.diag([number(I_rho1, "I_rho1", least=0.0), number(I_rho2, "I_rho2", least=0.0)])
+        return cls(c, A_rho, inertia, order="shear-axial")
+
+    @classmethod
+    def circle(
+        cls, *, radius: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        shear_factor: float | None = None, torsion_constant: float | None = None,
+    ) -> Self:  # fmt: skip
+        """A solid circle. Shear factor 6(1 + ν)/(7 + 6ν) (Cowper 1966), torsion constant πr⁴/2 (exact)."""
+        r = number(radius, "radius", above=0.0)
+        inertia = 0.25 * np.pi * r**4
+        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+        outline = r * np.stack([np.cos(angle), np.sin(angle)], -1)
+
+        def factor(nu: float) -> float:
+            return 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)
+
+        return cls._shape(
+            "circle", np.pi * r**2, inertia, inertia, 2.0 * inertia, "πr⁴/2", factor, "6(1+ν)/(7+6ν), Cowper 1966",
+            outline, E, nu, G, rho, shear_factor, torsion_constant,
+        )  # fmt: skip
+
+    @classmethod
+    def tube(
+        cls, *, outer: float, wall: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        shear_factor: float | None = None, torsion_constant: float | None = None,
+    ) -> Self:  # fmt: skip
+        """A tube of outer radius ``outer``. Shear factor of Cowper (1966), torsion constant ½π(R⁴ − r⁴) (exact)."""
+        R, wall = number(outer, "outer", above=0.0), number(wall, "wall", above=0.0)
+        if not wall < R:
+            raise ModelError(f"wall = {wall:g} is not less than the outer radius {R:g}", "use Section.circle for a solid rod")
+        r = R - wall
+        inertia = 0.25 * np.pi * (R**4 - r**4)
+        m2 = (r / R) ** 2
+        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+
+        def factor(nu: float) -> float:
+            return 6.0 * (1.0 + nu) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
+
+        return cls._shape(
+            "tube", np.pi * (R**2 - r**2), inertia, inertia, 2.0 * inertia, "½π(R⁴−r⁴)", factor, "Cowper 1966",
+            R * np.stack([np.cos(angle), np.sin(angle)], -1), E, nu, G, rho, shear_factor, torsion_constant,
+        )  # fmt: skip
+
+    @classmethod
+    def rectangle(
+        cls, *, width: float, height: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        shear_factor: float | None = None, torsion_constant: float | None = None,
+    ) -> Self:  # fmt: skip
+        """A rectangle, ``width`` along d1 and ``height`` along d2.
+
+        Shear factor 10(1 + ν)/(12 + 11ν) (Cowper 1966) in both directions; torsion constant by Saint-Venant's series.
+        """
+        b, h = number(width, "width", above=0.0), number(height, "height", above=0.0)
+        long, short = max(b, h), min(b, h)
+        n = np.arange(1, 200, 2)
+        series = np.sum(np.tanh(0.5 * n * np.pi * long / short) / n**5)
+        J = long * short**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * short / long * series)
+        corners = 0.5 * np.array([[b, h], [-b, h], [-b, -h], [b, -h]])
+
+        def factor(nu: float) -> float:
+            return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+
+        return cls._shape(
+            "rectangle", b * h, b * h**3 / 12.0, h * b**3 / 12.0, float(J), "Saint-Venant's series", factor,
+            "10(1+ν)/(12+11ν), Cowper 1966", corners, E, nu, G, rho, shear_factor, torsion_constant,
+        )  # fmt: skip
+
+    @classmethod
+    def _shape(
+        cls, name: str, area: float, I1: float, I2: float, J: float, J_source: str, factor: Any, factor_source: str,
+        outline: ArrayLike, E: float, nu: float | None, G: float | None, rho: float,
+        shear_factor: float | None, torsion_constant: float | None,
+    ) -> Self:  # fmt: skip
+        """I1 = ∫ξ2² dA (bending about d1), I2 = ∫ξ1² dA."""
+        E, rho = number(E, "E", above=0.0), number(rho, "rho", least=0.0)
+        if (nu is None) == (G is None):
+            raise ModelError(f"a {name} needs nu or G, one of them", "give nu= (G = E/2(1+ν)) or G=")
+        if nu is not None:
+            nu = number(nu, "nu", above=-1.0)
+            if nu > 0.5:
+                raise ModelError(f"nu = {nu:g} is greater than 0.5", "give −1 < ν ≤ 0.5, or G= for another material")
+            G = E / (2.0 * (1.0 + nu))
+        G = number(G, "G", above=0.0)
+        said: list[str] = []
+        if shear_factor is None:
+            ratio = nu if nu is not None else E / (2.0 * G) - 1.0
+            if not -1.0 < ratio <= 0.5:
+                raise ModelError(
+                    f"E and G of a {name} imply ν = {ratio:g}, for which the default shear factor is not known",
+                    "give shear_factor=",
+                )
+            shear_factor = float(factor(ratio))
+            said.append(f"{name}: shear factor {shear_factor:.6g} ({factor_source})")
+        if torsion_constant is None:
+            torsion_constant = J
+            said.append(f"{name}: torsion constant {J:.6g} ({J_source})")
+        k = number(shear_factor, "shear_factor", above=0.0)
+        GA, GJ = k * G * area, G * number(torsion_constant, "torsion_constant", above=0.0)
+        return cls(
+            np.diag([GA, GA, E * area, E * I1, E * I2, GJ]), rho * area, np.diag([rho * I2, rho * I1]),
+            order="shear-axial", outline=np.asarray(outline), assumptions=tuple(said),
+        )  # fmt: skip
+
+
+def _scaled(c: Array) -> Array:
+    """With unit diagonal, so that the sizes of the components do not matter."""
+    size = np.sqrt(np.abs(np.diag(c)))
+    if np.any(np.diag(c) <= 0.0):
+        return -np.eye(len(c))
+    return c / np.outer(size, size)
