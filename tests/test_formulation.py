@@ -77,7 +77,7 @@ def test_recorded_operations_are_merged_and_dead_ones_dropped() -> None:
 def test_size_of_the_traces() -> None:
     """The price of the two-node element, so that a change of it is seen."""
     def count(recorded) -> int:
-        graph, out = recorded
+        graph, out, _ = recorded
         return sum(graph.ops[i][0] in ("add", "sub", "mul", "div") for i in needed(graph, out))
 
     layout = Layout(2, 1, True)

@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 import directrix as dx
 from directrix.cli import app
+from directrix.schema import json_schema, load_case
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "directrix"
@@ -24,9 +25,9 @@ PAPERS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 EXAMPLES = sorted((ROOT / "examples").glob("[!_]*.py"))
 
 
-def blocks(language: str) -> list[str]:
-    """The fenced blocks of the README in one language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+def blocks(language: str, page: str = README) -> list[str]:
+    """The fenced blocks of a page in one language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
 
 
 def test_the_python_of_the_readme_runs(
@@ -59,6 +60,17 @@ def test_what_the_papers_name_exists(paper: Path) -> None:
     assert set(re.findall(r"(?:`|^)make ([a-z-]+)\b", text, re.MULTILINE)) <= targets
     links = re.findall(r"\]\((?!https?:)([^)#]+)[^)]*\)", text)
     assert [link for link in links if not (paper.parent / link).exists()] == []
+
+
+def test_the_page_on_case_files_is_right(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "input.md").read_text("utf-8")
+    (case,) = blocks("toml", page)
+    file = tmp_path / "case.toml"
+    file.write_text(case, "utf-8")
+    assert load_case(file).run().success
+    rows = re.findall(r"^\| (`.*?`) \|", page, re.MULTILINE)
+    tables = {name.split(".")[0] for row in rows for name in re.findall(r"`([\w.]+)`", row)}
+    assert tables == set(json_schema()["properties"])
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)

@@ -239,7 +239,9 @@ def test_comparison_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
         compare_energy_momentum({}, tmp_path / "a.png")
     with pytest.raises(ModelError, match=r"results\['b'\]: a static"):
         compare_energy_momentum({"a": dynamic, "b": fake_result("static")}, tmp_path / "a.png")
-    with pytest.raises(ModelError, match="does not exist"):
+    with pytest.raises(ModelError, match="No such file"):
         compare_energy_momentum({"a": dynamic}, tmp_path / "missing" / "a.png")
+    with pytest.raises(ModelError, match="no known kind of picture"):
+        compare_energy_momentum({"a": dynamic}, tmp_path / "a")
     with pytest.raises(ModelError, match="snapshots = 0"):
         compare_energy_momentum({"a": dynamic}, tmp_path / "a.png", snapshots=0)

@@ -1,6 +1,6 @@
 """The command line: reads cases, calls the solvers, shows and keeps what they return. No mechanics here.
 
-Exit codes: 0 done, 1 a fault of directrix, 2 bad input, 3 not converged, 4 the energy audit failed, 130 interrupted.
+Exit codes: 0 done, 1 a fault of directrix, 2 bad input, 3 not converged, 4 the audit failed, 130 interrupted.
 Whatever is slow to import is imported by the command that needs it.
 """
 
@@ -11,7 +11,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from enum import Enum
+from enum import StrEnum
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ParamSpec
@@ -35,17 +35,19 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Geometrically exact rods and frames: run a case file, look at what came out, check that it conserves.",
-    epilog="Exit codes: 0 done · 1 our fault · 2 bad input · 3 not converged · 4 audit failed · 130 interrupted",
+    help="Geometrically exact rods and frames: run a case, look at what came out, see what it conserved.",
+    epilog="Exit codes: 0 done, 1 our fault, 2 bad input, 3 not converged, 4 audit failed, 130 interrupted",
 )
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, .toml or .json.", show_default=False)]
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE", help="A case file, .toml or .json.", show_default=False)
+]
 ResultFile = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.", show_default=False)
 ]
 
 
-class Picture(str, Enum):
+class Picture(StrEnum):
     """What ``plot`` can draw."""
 
     shape = "shape"
@@ -55,7 +57,7 @@ class Picture(str, Enum):
     history = "history"
 
 
-class Quantity(str, Enum):
+class Quantity(StrEnum):
     """What ``plot … history`` can draw of a node."""
 
     displacement = "displacement"
@@ -93,8 +95,8 @@ def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
         except Exception as error:
             _say(
                 f"internal error: {type(error).__name__}: {error}\n"
-                "  This is a fault of directrix, not of your input. Please report it with the case file, the output of\n"
-                f"  'directrix doctor', and the traceback that --traceback (or {TRACEBACK}=1) shows."
+                "  This is a fault of directrix, not of your input. Please report it, with the case file,\n"
+                f"  what 'directrix doctor' prints, and the traceback that --traceback (or {TRACEBACK}=1) shows."
             )
             code = 1
         else:
@@ -109,7 +111,9 @@ def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
 @app.callback()
 def _options(
     version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
-    traceback: Annotated[bool, typer.Option("--traceback", help="Show the traceback of an error as well.")] = False,
+    traceback: Annotated[
+        bool, typer.Option("--traceback", help="Show the traceback of an error as well.")
+    ] = False,
 ) -> None:
     if traceback:
         os.environ[TRACEBACK] = "1"
@@ -124,8 +128,12 @@ def _options(
 @_guarded
 def run(
     case_file: CaseFile,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder for what comes out; default CASE.run.")] = None,
-    no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder for what comes out; default CASE.run.")
+    ] = None,
+    no_view: Annotated[
+        bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
@@ -179,7 +187,9 @@ def plot(
     what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
     node: Annotated[str | None, typer.Option(help="history: the node.")] = None,
     quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")
+    ] = None,
 ) -> None:
     """Draw a picture of a result: the last shape, the motion, energy, momentum, or one node's history."""
     from directrix.runs import draw
@@ -188,7 +198,9 @@ def plot(
     options: dict[str, str] = {}
     if what is Picture.history:
         if node is None:
-            raise ModelError("a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}")
+            raise ModelError(
+                "a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}"
+            )
         options = {"node": node, "quantity": quantity.value}
     elif node is not None:
         raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history")
@@ -200,7 +212,9 @@ def plot(
 @_guarded
 def view(
     result_file: ResultFile,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")
+    ] = None,
 ) -> None:
     """Write one HTML page that shows the motion: orbit, time slider, directors; needs no network."""
     result, path = _load(result_file)
@@ -211,16 +225,26 @@ def view(
 @_guarded
 def examples(
     name: Annotated[str | None, typer.Argument(help="Print this example.", show_default=False)] = None,
-    copy: Annotated[Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")] = None,
+    copy: Annotated[
+        Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")
+    ] = None,
 ) -> None:
     """List the cases that come along, print one, or copy them out."""
     import tomllib
     from importlib.resources import files
 
-    cases = {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in files("directrix.cases").iterdir() if f.name.endswith(".toml")}
+    cases = {
+        f.name.removesuffix(".toml"): f.read_text("utf-8")
+        for f in files("directrix.cases").iterdir()
+        if f.name.endswith(".toml")
+    }
     if name is not None and name.removesuffix(".toml") not in cases:
         raise ModelError(f"there is no example {name!r}", f"examples: {', '.join(sorted(cases))}")
-    chosen = {name.removesuffix(".toml"): cases[name.removesuffix(".toml")]} if name else dict(sorted(cases.items()))
+    chosen = (
+        {name.removesuffix(".toml"): cases[name.removesuffix(".toml")]}
+        if name
+        else dict(sorted(cases.items()))
+    )
     if copy is not None:
         _copy(chosen, copy)
     elif name:
@@ -228,12 +252,14 @@ def examples(
     else:
         for key, text in chosen.items():
             print(f"{key:<20} {tomllib.loads(text)['title']}")
-        print("\ndirectrix examples NAME prints one; --copy DIR copies it (without NAME: all); directrix run runs it.")
+        print("\ndirectrix examples NAME prints one, --copy DIR copies it (without NAME: all)")
 
 
 @app.command()
 @_guarded
-def schema(out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; default: print.")] = None) -> None:
+def schema(
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; default: print.")] = None,
+) -> None:
     """The JSON schema of case files: every key, its type, its default, what it means."""
     import json
 
@@ -267,7 +293,9 @@ def _load(path: Path) -> tuple[Result, Path]:
 
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
-        raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))
+        raise InputError(
+            "there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file)
+        )
     return load(file), file
 
 
@@ -300,7 +328,12 @@ def _progress(console: Console) -> Iterator[Callable[[float, str], None]]:
 
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
-    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    columns = (
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.description}", markup=False),
+    )
     with Progress(*columns, console=console, disable=console.quiet or not console.is_terminal) as bar:
         task = bar.add_task("", total=1.0)
         shown = 0.0
@@ -319,17 +352,27 @@ def _show(console: Console, result: Result) -> None:
     """How it ended, and the audit as a table."""
     from rich.table import Table
 
-    console.print(str(result.status), style="green" if result.success else "red", markup=False, highlight=False)
+    console.print(
+        str(result.status), style="green" if result.success else "red", markup=False, highlight=False
+    )
     energy, steps = result.energy, result.iterations
-    table = Table("law", "deviation", "allowed", "relative to", "", title=f"audit {result.audit.verdict}", title_justify="left")
+    table = Table(
+        "law",
+        "deviation",
+        "allowed",
+        "relative to",
+        "",
+        title=f"audit {result.audit.verdict}",
+        title_justify="left",
+    )
     for entry in result.audit.entries:
         mark = ("ok" if entry.holds else "FAILED") if entry.claimed else "not claimed"
         table.add_row(entry.law, f"{entry.value:.2e}", f"{entry.limit:.0e}", entry.relative_to, mark)
     console.print(table)
     lines = [
-        f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, total {energy.total[-1]:.9g}; "
-        f"work done on it {energy.work[-1]:.9g}",
-        f"{steps.size} steps, {steps.sum()} Newton iterations, {result.info.get('wall_seconds', float('nan')):.2f} s",
+        f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, "
+        f"total {energy.total[-1]:.9g}; work done on it {energy.work[-1]:.9g}",
+        f"{steps.size} steps, {steps.sum()} Newton iterations, {result.info.get('wall_seconds', 0.0):.2f} s",
         *(f"note: {note}" for note in result.audit.notes),
     ]
     for line in lines:

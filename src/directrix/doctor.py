@@ -26,7 +26,7 @@ def facts() -> Iterator[tuple[str, str]]:
     for name in CORE:
         yield name, _version(name) or "MISSING"
     for name, use in EXTRAS.items():
-        yield name, _version(name) or f"not installed (no {use}); pip install \"directrix[plot]\""
+        yield name, _version(name) or f'not installed (no {use}); pip install "directrix[plot]"'
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "processor", f"{llvm.get_host_cpu_name()}, {os.cpu_count()} cores, {usable} usable"
     yield "SIMD", f"{LANES} elements at a time ({64 * LANES} bits)"
@@ -34,7 +34,11 @@ def facts() -> Iterator[tuple[str, str]]:
     kernels = list(folder.glob("k*.o")) if folder.is_dir() else []
     size = sum(f.stat().st_size for f in kernels) / 1024
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
-    writable = "writable" if os.access(nearest, os.W_OK) else "NOT WRITABLE: every start compiles again; set DIRECTRIX_CACHE_DIR"
+    writable = (
+        "writable"
+        if os.access(nearest, os.W_OK)
+        else "NOT WRITABLE: every start compiles again; set DIRECTRIX_CACHE_DIR"
+    )
     yield "compiled kernels", f"{len(kernels)} in {folder} ({size:.0f} kB), {writable}"
 
 
@@ -51,7 +55,8 @@ def self_test() -> tuple[bool, str]:
     result = simulate(model.velocity("A", (0, 1, 2)).velocity("B", (0, -1, 1)), t_end=0.2, dt=0.01)
     passed = result.success and result.audit.passed
     seconds = time.perf_counter() - started
-    return passed, f"{'passed' if passed else 'FAILED'} in {seconds:.1f} s: {result.status} audit {result.audit.verdict}"
+    word = "passed" if passed else "FAILED"
+    return passed, f"{word} in {seconds:.1f} s: {result.status} audit {result.audit.verdict}"
 
 
 def _version(name: str) -> str | None:

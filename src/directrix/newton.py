@@ -62,7 +62,7 @@ class Books(NamedTuple):
 class Newton:
     """Solves steps of one discretisation under one rule.
 
-    ``x`` (n, 36) is a state as in :mod:`directrix.state`; :meth:`solve` moves x1, :meth:`finish` makes it x0.
+    ``x`` (n, 40) is a state as in :mod:`directrix.state`; :meth:`solve` moves x1, :meth:`finish` makes it x0.
     """
 
     def __init__(self, disc: Discretisation, rule: Rule, settings: Settings, dt: float = 0.0) -> None:

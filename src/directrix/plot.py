@@ -145,7 +145,8 @@ def compare_energy_momentum(
     ``results`` maps a label to a dynamic result. The first is the conserving one: it gives the energy's
     scale, its kinetic and stored parts, and the snapshots. A run that did not reach its end is marked with
     a cross and the time. After Figures 7-9 of Romero and Armero, IJNME 54 (2002) 1683-1716.
-    Raises ModelError when there is nothing to compare, for a static result, and when the folder is missing.
+    Raises ModelError when there is nothing to compare, for a static result, and when the file cannot be
+    written.
     """
     if not snapshots >= 1 or snapshots % 1:
         raise ModelError(
@@ -160,10 +161,6 @@ def compare_energy_momentum(
             raise ModelError(
                 "a static result has no momentum", "give results of simulate", f"results[{label!r}]"
             )
-    if not Path(path).resolve().parent.is_dir():
-        raise ModelError(
-            f"the folder of {fspath(path)} does not exist", "make it first, or choose another path"
-        )
     draw.need_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -189,7 +186,14 @@ def compare_energy_momentum(
         pen.set_xlabel("t")
         draw.dress(pen)
     _snapshots(lower, first_label, first, snapshots)
-    figure.savefig(fspath(path), dpi=160)
+    if Path(path).suffix[1:] not in figure.canvas.get_supported_filetypes():
+        raise ModelError(f"{fspath(path)} names no known kind of picture", "end it in .png, .pdf or .svg")
+    try:
+        figure.savefig(fspath(path), dpi=160)
+    except OSError as error:
+        raise ModelError(
+            f"cannot write {fspath(path)}: {error.strerror}", "choose a file in a folder that exists"
+        ) from None
     return fspath(path)
 
 

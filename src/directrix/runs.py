@@ -59,13 +59,13 @@ class RunFolder:
         foreign = sorted(names - OURS)
         if foreign:
             raise InputError(
-                f"holds files that are not of a run: {', '.join(foreign[:3])}{' …' if len(foreign) > 3 else ''}",
+                f"holds files that are not of a run: {_few(foreign)}",
                 "name another folder with --out, or move them away",
                 str(path),
             )
         if names and not _is_summary(path / SUMMARY):
             raise InputError(
-                f"holds {', '.join(sorted(names)[:3])} but no {SUMMARY} of a run, so nothing in it is overwritten",
+                f"holds {_few(sorted(names))} but no {SUMMARY} of a run, so nothing in it is overwritten",
                 "name another folder with --out, or move them away",
                 str(path),
             )
@@ -77,7 +77,8 @@ class RunFolder:
             (self.path / name).unlink(missing_ok=True)
         saved = Path(result.save(self.path / RESULT))
         (self.path / SUMMARY).write_text(
-            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False)
+            + "\n",
             encoding="utf-8",
         )
         yield saved
@@ -107,7 +108,9 @@ def draw(result: Result, picture: str, path: Path, **options: Any) -> Path:
     figure = getattr(result.plot, picture)(**options).get_figure()
     formats = figure.canvas.get_supported_filetypes()
     if path.suffix.lstrip(".").lower() not in formats:
-        raise InputError("is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path))
+        raise InputError(
+            "is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path)
+        )
     figure.savefig(path, dpi=150)
     from matplotlib import pyplot
 
@@ -191,6 +194,10 @@ def _monitor(path: Path, result: Result) -> Path:
         writer.writerow(columns)
         writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
     return path
+
+
+def _few(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
 
 
 def _is_summary(path: Path) -> bool:

@@ -1,4 +1,4 @@
-"""The state of a run, (n, 36): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i); Δr = r1 − r0."""
+"""The state of a run, (n, 40): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i); Δr = r1 − r0."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation, rates_of
 from directrix.errors import ModelError
+from directrix.formulations.directors import PER_NODE
 from directrix.result import Result
 from directrix.rotations import exp
 
@@ -16,11 +17,11 @@ __all__ = ["initial_state", "place_supports"]
 
 
 def initial_state(disc: Discretisation, start: Result | None, dynamic: bool) -> Array:
-    """(n, 36): the reference at rest or ``start``'s last instant, with the velocities of the model added.
+    """(n, 40): the reference at rest or ``start``'s last instant, with the velocities of the model added.
 
     Raises ModelError when ``start`` belongs to another mesh.
     """
-    x = np.zeros((disc.nodes, 36))
+    x = np.zeros((disc.nodes, PER_NODE))
     rotation = np.broadcast_to(np.eye(3), (disc.nodes, 3, 3))
     x[:, :3] = disc.mesh.r0
     if start is not None:
@@ -31,12 +32,12 @@ def initial_state(disc: Discretisation, start: Result | None, dynamic: bool) -> 
             )
         x[:, :3], rotation = start.r[-1], start.R[-1]
         x[:, 24:27] = start.v[-1]
-        x[:, 27:] = _columns(start.Rdot[-1])
+        x[:, 27:36] = _columns(start.Rdot[-1])
     x[:, 3:12] = _columns(rotation)
     if dynamic and not (start is not None and start.kind == "dynamic"):
         v, omega = disc.initial_rates()
         x[:, 24:27] += v
-        x[:, 27:] += _columns(rates_of(rotation, omega))
+        x[:, 27:36] += _columns(rates_of(rotation, omega))
     x[:, 15:24] = x[:, 3:12]
     return x
 

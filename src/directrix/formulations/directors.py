@@ -24,7 +24,7 @@ Vector = Sequence[Scalar]
 Coordinates = Sequence[Sequence[Vector]]
 # Per node (r1, R1 e_i), (Δr, R0 e_i), (ṙ0, Ṙ0 e_i). The step Δr = r1 − r0 is kept by itself: far from the origin
 # the difference of two positions would lose the digits that momentum is made of.
-PER_NODE = 36
+PER_NODE = 40  # 36 values, then room to a whole number of vectors
 
 
 @dataclass(frozen=True)
@@ -254,9 +254,9 @@ def _coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], firs
     ]
 
 
-def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym]]:
-    """Residual (6 nn), and behind it the tangent if asked for: for each b, each a the block
-    (6, 6) of the forces on node a by the increments of node b, by columns.
+def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym], list[int]]:
+    """Residual (6 nn), and behind it the tangent if asked for: blocks (6, 6) by rows, for each node b (increments)
+    and each node a (forces). The results come in the order to compute them, with the place of each.
 
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
@@ -267,32 +267,26 @@ def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[
     d0 = layout.split(p)[0]
     q1, q0, v0 = (_coordinates(layout, x, d0, first) for first in (0, 12, 24))
     out = residual(layout, rule, q1, q0, v0, p, dt)
-    if not tangent:
-        return graph, out
-    columns: list[list[Sym]] = []
-    for node, before in zip(q1, q0, strict=True):
+    size = 6 * layout.nn
+    results, places = list(out), list(range(size))
+    # column after column: what one direction computes is used while it is at hand
+    for b, (node, before) in enumerate(zip(q1, q0, strict=True)) if tangent else ():
         for k in range(6):
-            e = [1.0 if c == k % 3 else 0.0 for c in range(3)]
             if k < 3:
                 seed = {node[0][k]: 1.0, before[0][k]: 1.0}
             else:
+                e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
                 seed = {d[c]: turned for d in node[1:] for c, turned in enumerate(cross(e, d))}
-            columns.append(derivative(graph, out, seed))
-    # column after column: what one direction computes is used while it is at hand
-    blocks = [
-        columns[6 * b + j][6 * a + i]
-        for b in range(layout.nn)
-        for a in range(layout.nn)
-        for j in range(6)
-        for i in range(6)
-    ]
-    return graph, out + blocks
+            results += derivative(graph, out, seed)
+            places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
+    return graph, results, places
 
 
-def record_audit(layout: Layout) -> tuple[Graph, list[Sym]]:
+def record_audit(layout: Layout) -> tuple[Graph, list[Sym], list[int]]:
     """The books of one element at (x1, ẋ in the place of the rate)."""
     graph = Graph()
     x = graph.inputs("x", PER_NODE * layout.nn)
     p = graph.inputs("p", layout.size)
     d0 = layout.split(p)[0]
-    return graph, audit(layout, _coordinates(layout, x, d0, 0), _coordinates(layout, x, d0, 24), p)
+    out = audit(layout, _coordinates(layout, x, d0, 0), _coordinates(layout, x, d0, 24), p)
+    return graph, out, list(range(len(out)))

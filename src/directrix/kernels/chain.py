@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from directrix.kernels.call import call_kernel
+from directrix.kernels.call import call_elimination
 from directrix.kernels.jit import compiled
 
 __all__ = ["solve_chain"]
@@ -67,7 +67,7 @@ def solve_chain(eliminate, blocks, rhs, factors, du):
     n = rhs.shape[0]
     for i in range(n):
         row, out = blocks[3 * i : 3 * i + 3], factors[i + 1]
-        call_kernel(eliminate, row, factors[i], 0, rhs[i], out)
+        call_elimination(eliminate, row, factors[i], rhs[i], out)
         if out[48] != 1.0 and not _eliminate(row, factors[i], rhs[i], out) > 1e-300:
             return i
     for r in range(6):

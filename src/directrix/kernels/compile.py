@@ -1,8 +1,9 @@
 """From recorded scalars to machine code: one element per SIMD lane.
 
-A kernel is ``void k(double *x, double *p, double *g, double *out)``: nodal values ``x`` and results ``out``
-have one row a lane (its length rounded up to whole vectors), element parameters ``p`` are
-``[parameter][lane]``, ``g`` are scalars common to all lanes. Rows are turned into lanes inside.
+A kernel is ``void k(double *x, int64 *at, double *p, double *g, double *out)``. The values of node a of the element
+in lane l begin at ``x[at[a][l]]``; element parameters ``p`` are ``[parameter][lane]``; ``g`` are scalars common to
+all lanes; results ``out`` have one row a lane, its length rounded up to whole vectors. Inside, rows are turned into
+lanes and back.
 Multiplications and additions may be contracted to FMA; nothing else is relaxed, so a result does not depend on the lane.
 """
 
@@ -22,7 +23,7 @@ import llvmlite.binding as llvm
 
 from directrix.kernels.trace import Graph, Sym, needed
 
-__all__ = ["LANES", "cache_dir", "kernel_address", "padded", "text_address"]
+__all__ = ["LANES", "STRIDE", "cache_dir", "kernel_address", "padded", "text_address"]
 
 
 def _features() -> str:
@@ -37,6 +38,7 @@ def _machine() -> Any:
     )
 
 
+STRIDE = 40  # values a node has in memory: a multiple of every number of lanes
 LANES = 8 if "+avx512f" in _features() else 4
 
 
@@ -72,58 +74,68 @@ def _interleaved(vectors: list[str], vec: str, tag: str, lines: list[str]) -> li
     return vectors
 
 
-def llvm_ir(graph: Graph, outputs: Sequence[Sym], name: str) -> str:
-    """LLVM text of a kernel that computes ``outputs``; inputs are named by ``x``, ``p`` or ``g``."""
+def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: str) -> str:
+    """LLVM text of a kernel that computes ``outputs`` one after the other and leaves each in its place of a row.
+
+    Inputs are named by ``x`` (STRIDE values a node), ``p`` or ``g``.
+    """
     lanes = LANES
     vec = f"<{lanes} x double>"
-    lines = [f"define void @{name}(ptr noalias %x, ptr noalias %p, ptr noalias %g, ptr noalias %out) {{"]
+    lines = [
+        f"define void @{name}(ptr noalias %x, ptr noalias %at, ptr noalias %p, ptr noalias %g, ptr noalias %out) {{",
+        f"%scratch = alloca [{padded(len(outputs))} x {vec}], align 64",
+    ]
     text: dict[int, str] = {}
     instruction = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
-    used = {a: 1 + max(b for op, c, b in graph.ops if op == "in" and c == a) for a in ("x",)}
-    row_in, row_out = padded(used["x"]), padded(len(outputs))
-    rows: dict[int, list[str]] = {}
+    row = padded(len(outputs))
+    groups: dict[int, list[str]] = {}
+    count = 0
 
-    def at(tag: str, array: str, offset: int) -> str:
-        lines.append(f"%e{tag} = getelementptr double, ptr %{array}, i64 {offset}")
-        return f"%e{tag}"
+    def put(instruction: str) -> str:
+        nonlocal count
+        count += 1
+        lines.append(f"%t{count} = {instruction}")
+        return f"%t{count}"
 
-    def load(tag: str, array: str, offset: int, kind: str) -> str:
-        place = at(tag, array, offset)
-        lines.append(f"%l{tag} = load {kind}, ptr {place}, align 8")
-        return f"%l{tag}"
+    def pointer(array: str, offset: int | str, kind: str = "double") -> str:
+        return put(f"getelementptr {kind}, ptr {array}, i64 {offset}")
 
-    def emit(index: int) -> None:
+    def load(array: str, offset: int, kind: str) -> str:
+        return put(f"load {kind}, ptr {pointer(array, offset)}, align 8")
+
+    def group(index: int) -> list[str]:
+        """``lanes`` consecutive values of a node, from every lane's own node, by lanes."""
+        if index not in groups:
+            node, offset = divmod(index * lanes, STRIDE)
+            by_lane: list[str] = []
+            for lane in range(lanes):
+                start = put(f"load i64, ptr {pointer('%at', node * lanes + lane, 'i64')}, align 8")
+                by_lane.append(load(pointer("%x", start), offset, vec))
+            groups[index] = _interleaved(by_lane, vec, f"x{index}", lines)
+        return groups[index]
+
+    def emit(index: int) -> str:
         op, a, b = graph.ops[index]
         if op == "const":
             bits = struct.pack(">d", float(a)).hex().upper()
-            text[index] = "<" + ", ".join([f"double 0x{bits}"] * lanes) + ">"
-        elif op == "in" and a == "g":
-            one = load(f"g{b}", "g", b, "double")
-            zeros = f"<{lanes} x i32> zeroinitializer"
-            lines.append(f"%t{index} = insertelement {vec} undef, double {one}, i32 0")
-            lines.append(f"%v{index} = shufflevector {vec} %t{index}, {vec} undef, {zeros}")
-            text[index] = f"%v{index}"
-        elif op == "in" and a == "p":
-            text[index] = load(f"p{b}", "p", b * lanes, vec)
-        elif op == "in":
-            group = b // lanes
-            if group not in rows:
-                by_lane = [load(f"x{group}_{k}", "x", k * row_in + group * lanes, vec) for k in range(lanes)]
-                rows[group] = _interleaved(by_lane, vec, f"x{group}", lines)
-            text[index] = rows[group][b % lanes]
-        else:
-            flags = "" if op == "div" else "contract "
-            lines.append(f"%v{index} = {instruction[op]} {flags}{vec} {text[int(a)]}, {text[b]}")
-            text[index] = f"%v{index}"
+            return "<" + ", ".join([f"double 0x{bits}"] * lanes) + ">"
+        if op == "in" and a == "g":
+            one = put(f"insertelement {vec} undef, double {load('%g', b, 'double')}, i32 0")
+            return put(f"shufflevector {vec} {one}, {vec} undef, <{lanes} x i32> zeroinitializer")
+        if op == "in":
+            return load("%p", b * lanes, vec) if a == "p" else group(b // lanes)[b % lanes]
+        flags = "" if op == "div" else "contract "
+        return put(f"{instruction[op]} {flags}{vec} {text[int(a)]}, {text[b]}")
 
     done: set[int] = set()
-    for first in range(0, len(outputs), lanes):
-        part = outputs[first : first + lanes]
-        for index in needed(graph, part, done):
-            emit(index)
-        columns = [text[out.index] for out in part] + ["zeroinitializer"] * (lanes - len(part))
-        for k, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
-            lines.append(f"store {vec} {value}, ptr {at(f'o{first}_{k}', 'out', k * row_out + first)}, align 8")
+    for out, place in zip(outputs, places, strict=True):
+        for index in needed(graph, [out], done):
+            text[index] = emit(index)
+        lines.append(f"store {vec} {text[out.index]}, ptr {pointer('%scratch', place, vec)}, align 64")
+    for first in range(0, row, lanes):
+        columns = [put(f"load {vec}, ptr {pointer('%scratch', first + k, vec)}, align 64") for k in range(lanes)]
+        for lane, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
+            lines.append(f"store {vec} {value}, ptr {pointer('%out', lane * row + first)}, align 8")
     return "\n".join([*lines, "ret void", "}"])
 
 
@@ -150,7 +162,11 @@ def _sources() -> bytes:
 _addresses: dict[str, int] = {}
 
 
-def kernel_address(description: str, build: Callable[[], tuple[Graph, Sequence[Sym]]]) -> int:
+Recorded = tuple[Graph, Sequence[Sym], Sequence[int]]
+"""A graph, its results in the order to compute them, and the place of each in a row of results."""
+
+
+def kernel_address(description: str, build: Callable[[], Recorded]) -> int:
     """Address of the machine code of a kernel, compiled at most once per machine.
 
     ``description`` names the kernel and everything ``build`` depends on beside the source code; ``build``

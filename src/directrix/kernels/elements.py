@@ -1,7 +1,7 @@
 """Loops over elements: gather lanes, call the kernel, condense interior nodes, scatter.
 
 ``tables`` (see :class:`directrix.discretisation.Tables`) are flat arrays for all groups of equal elements;
-``x`` (n, 36) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each.
+``x`` (n, 40) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each.
 """
 # pyright: basic
 
@@ -15,31 +15,16 @@ from directrix.kernels.compile import LANES
 __all__ = ["assemble", "books", "internal_forces"]
 
 # columns of tables.head
-STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, WIDTH = range(12)
+STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT = range(12)
 
 
 @compiled
-def _gather(conn, first, count, nn, width, x, buffer):
-    """Nodal values of up to LANES elements, one row a lane; short blocks repeat the last."""
-    stride = -(-36 * nn // LANES) * LANES
-    for lane in range(LANES):
-        e = first + min(lane, count - 1)
-        for a in range(nn):
-            node = conn[e * nn + a]
-            at = lane * stride + 36 * a
-            for c in range(width):
-                buffer[at + c] = x[node, c]
-
-
-@compiled
-def _scatter(out, conn, nn, internal, scale):
+def _scatter(out, conn, nn, internal):
     """Forces of one element, the first 6 nn of ``out``, onto its nodes."""
     for a in range(nn):
-        node = conn[a]
+        on = internal[conn[a]]
         for i in range(6):
-            value = out[6 * a + i]
-            internal[node, i] += value
-            scale[i // 3] = max(scale[i // 3], abs(value))
+            on[i] += out[6 * a + i]
 
 
 @compiled
@@ -99,14 +84,12 @@ def _condense(k, r, nn, eliminated, back):
 def assemble(tables, work, x, g, external, mask, frozen):
     """Residual and tangent of the whole system, interior nodes condensed, supports applied.
 
-    Fills ``work.internal`` (n, 6), ``work.scale`` (largest force and moment of any element on a node),
-    ``work.blocks`` and ``work.rhs`` = −(internal − external) on the free components. ``frozen`` also holds
-    all rotations. Returns the element of a vanishing interior pivot, or −1.
+    Fills ``work.internal`` (n, 6), ``work.blocks`` and ``work.rhs`` = −(internal − external) on the free
+    components. ``frozen`` also holds all rotations. Returns the element of a vanishing interior pivot, or −1.
     """
-    internal, blocks, rhs, scale = work.internal, work.blocks, work.rhs, work.scale
+    internal, blocks, rhs = work.internal, work.blocks, work.rhs
     internal[:] = 0.0
     blocks[:] = 0.0
-    scale[:] = 0.0
     rhs[:] = 0.0
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
@@ -116,21 +99,19 @@ def assemble(tables, work, x, g, external, mask, frozen):
         stride = -(-(nd + nd * nd) // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            _gather(tables.conn[head[CONN] :], first, count, nn, head[WIDTH], x, work.buffer)
-            parameters = head[PAR] + block * LANES * head[SIZE]
-            call_kernel(head[STEP], work.buffer, tables.par, parameters, g, work.out)
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            call_kernel(head[STEP], x, tables.at, places, tables.par, parameters, g, work.out)
             for lane in range(count):
                 e = first + lane
                 out = work.out[lane * stride : (lane + 1) * stride]
                 conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
-                _scatter(out, conn, nn, internal, scale)
+                _scatter(out, conn, nn, internal)
                 to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
                 if nn == 2:
                     for b in range(4):
-                        target = blocks[to[b]]
-                        for i in range(6):
-                            for j in range(6):
-                                target[i, j] += out[12 + 36 * b + 6 * j + i]
+                        target, values = blocks[to[b]].reshape(36), out[12 + 36 * b : 48 + 36 * b]
+                        for i in range(36):
+                            target[i] += values[i]
                 else:
                     k, r = work.k, work.r
                     for b in range(nn):
@@ -138,7 +119,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
                             at = nd + 36 * (nn * b + a)
                             for i in range(6):
                                 for j in range(6):
-                                    k[6 * a + i, 6 * b + j] = out[at + 6 * j + i]
+                                    k[6 * a + i, 6 * b + j] = out[at + 6 * i + j]
                     for i in range(6, last):
                         node = conn[i // 6]
                         r[i] = external[node, i % 6] - out[i]
@@ -180,7 +161,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
 
 @compiled
 def internal_forces(tables, work, x, g):
-    """Residual alone: ``work.internal`` (n, 6) and ``work.scale`` as in :func:`assemble`."""
+    """Residual alone: ``work.internal`` (n, 6), and ``work.scale``, the largest force and moment of any element on a node."""
     internal, scale, out = work.internal, work.scale, work.out
     internal[:] = 0.0
     scale[:] = 0.0
@@ -190,12 +171,14 @@ def internal_forces(tables, work, x, g):
         stride = -(-6 * nn // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            _gather(tables.conn[head[CONN] :], first, count, nn, head[WIDTH], x, work.buffer)
-            parameters = head[PAR] + block * LANES * head[SIZE]
-            call_kernel(head[RESIDUAL], work.buffer, tables.par, parameters, g, out)
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            call_kernel(head[RESIDUAL], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
                 at = head[CONN] + (first + lane) * nn
-                _scatter(out[lane * stride :], tables.conn[at : at + nn], nn, internal, scale)
+                row = out[lane * stride : (lane + 1) * stride]
+                _scatter(row, tables.conn[at : at + nn], nn, internal)
+                for i in range(6 * nn):
+                    scale[i // 3 % 2] = max(scale[i // 3 % 2], abs(row[i]))
 
 
 @compiled
@@ -214,9 +197,8 @@ def books(tables, work, x, totals, strains):
         stride = -(-(7 + nn + 7 * points) // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            _gather(tables.conn[head[CONN] :], first, count, nn, 36, x, work.buffer)
-            parameters = head[PAR] + block * LANES * head[SIZE]
-            call_kernel(head[AUDIT], work.buffer, tables.par, parameters, work.dt, out)
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            call_kernel(head[AUDIT], x, tables.at, places, tables.par, parameters, work.dt, out)
             for lane in range(count):
                 e = first + lane
                 row = out[lane * stride : (lane + 1) * stride]

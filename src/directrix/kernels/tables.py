@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ class Tables(NamedTuple):
     eliminate: int
     head: Ints
     conn: Ints
+    at: Ints
     par: Array
     station: Ints
     element_node: Ints
@@ -46,7 +47,6 @@ class Work(NamedTuple):
     du: Array
     step: Array
     factors: Array
-    buffer: Array
     out: Array
     k: Array
     r: Array
@@ -57,7 +57,7 @@ class Work(NamedTuple):
     dt: Array
 
 
-def _in_lanes(parameters: Array) -> Array:
+def _in_lanes(parameters: Any) -> Any:
     """(ne, size) → blocks of [parameter][lane], the last one filled up with its last element."""
     ne, size = parameters.shape
     blocks = -(-ne // LANES)
@@ -78,22 +78,22 @@ def _kernels(group: Group, rule: Rule) -> tuple[int, int, int]:
 def tables_for(disc: Discretisation, rule: Rule) -> Tables:
     """Compile or fetch the kernels and lay the arrays out flat."""
     head: list[tuple[int, ...]] = []
-    conn, par, station = [np.empty(0, np.int64)], [np.empty(0)], [np.empty(0, np.int64)]
-    at = dict.fromkeys(("conn", "par", "element", "back"), 0)
+    conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
+    at = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
     for group in disc.groups:
         ne, nn = group.conn.shape
         lanes = _in_lanes(group.parameters)
-        width = 12 if rule.static else PER_NODE
         head.append(
             (
                 *_kernels(group, rule), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
-                at["element"], at["back"], width,
+                at["element"], at["back"], at["at"],
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
+        places.append(_in_lanes(PER_NODE * group.conn))
         par.append(lanes)
         station.append(group.station)
-        for key, n in (("conn", ne * nn), ("par", lanes.size), ("element", ne), ("back", 6 * (nn - 2) * ne)):
+        for key, n in (("conn", ne * nn), ("par", lanes.size), ("element", ne), ("back", 6 * (nn - 2) * ne), ("at", places[-1].size)):
             at[key] += n
     pattern = disc.pattern
     return Tables(
@@ -101,6 +101,7 @@ def tables_for(disc: Discretisation, rule: Rule) -> Tables:
         elimination_address(),
         np.array(head, np.int64),
         np.concatenate(conn),
+        np.concatenate(places),
         np.concatenate(par),
         np.concatenate(station),
         np.concatenate([g.conn[:, 0] for g in disc.groups]),
@@ -127,7 +128,6 @@ def work_for(disc: Discretisation) -> Work:
         du=np.zeros((rows, 6)),
         step=np.zeros((n, 6)),
         factors=np.zeros((rows + 1, 56)),
-        buffer=np.zeros(padded(PER_NODE * most) * LANES),
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),

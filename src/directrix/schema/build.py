@@ -4,74 +4,73 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from math import radians
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
-from directrix.model import Model
+from directrix.model import Model, Vec, VecOrFn
 from directrix.schema import models as m
-from directrix.schema.functions import Ramp, Rotated, Scaled, Vec, VectorTable
+from directrix.schema.base import Strict
+from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable
 from directrix.schema.messages import Source
+from directrix.schema.places import Path
 from directrix.section import Section
 
-__all__ = ["build_model"]
+__all__ = ["build_model", "placed"]
 
-Value = Vec | Callable[[float], ArrayLike]
+Add = Callable[[Model], Model]
 
 
-def build_model(tables: m.CaseFile, title: str, source: Source) -> Model:
-    """The Model that the tables describe. Raises InputError at the entry that cannot be."""
-    sections: dict[str, Section] = {}
-    for name, section in tables.section.items():
-        with _at(source, "section", name):
-            sections[name] = _section(section)
-    model = Model().named(title)
-    for k, rod in enumerate(tables.rod):
-        with _at(source, "rod", k):
-            model = _add_rod(model, rod, sections)
-    for k, support in enumerate(tables.support):
-        with _at(source, "support", k):
-            match support.type:
-                case "clamp":
-                    model = model.clamp(support.node)
-                case "pin":
-                    model = model.pin(support.node)
-                case None:
-                    model = model.fix(support.node, *(support.dofs or ()))
-    for k, moved in enumerate(tables.prescribe):
-        with _at(source, "prescribe", k):
-            model = _prescribe(model, moved, static=tables.statics is not None)
-    for k, load in enumerate(tables.force):
-        with _at(source, "force", k):
-            model = model.force(load.node, _timed(load), constant=load.constant)
-    for k, load in enumerate(tables.moment):
-        with _at(source, "moment", k):
-            model = model.moment(load.node, _timed(load), constant=load.constant)
-    for k, load in enumerate(tables.distributed):
-        with _at(source, "distributed", k):
-            model = model.distributed(load.rod, _timed(load), constant=load.constant)
-    if tables.gravity is not None:
-        with _at(source, "gravity"):
-            model = model.gravity(_timed(tables.gravity), constant=tables.gravity.constant)
-    for k, start in enumerate(tables.velocity):
-        with _at(source, "velocity", k):
-            model = model.velocity(start.node, start.v, omega=start.omega)
-    if tables.rigid_velocity is not None:
-        with _at(source, "rigid_velocity"):
-            start = tables.rigid_velocity
-            model = model.rigid_velocity(start.v, omega=start.omega, about=start.about)
+def build_model(tables: m.CaseFile, title: str, source: Source, *, check_each: bool = False) -> Model:
+    """The Model that the tables describe. Raises InputError at the entry that cannot be.
+
+    ``check_each`` looks at the whole after every entry: slow, but it finds the one that does not fit.
+    """
+    model = Model(name=title)
+    for loc, add in _entries(tables, source):
+        with placed(source, loc):
+            model = add(model)
+            if check_each:
+                model.check()
     return model
 
 
 @contextmanager
-def _at(source: Source, *loc: str | int) -> Iterator[None]:
+def placed(source: Source, loc: Path) -> Iterator[None]:
+    """Give a ModelError the place of an entry of the file."""
     try:
         yield
+    except InputError:
+        raise
     except ModelError as error:
         raise InputError(error.what, error.fix, source.where(loc)) from None
+
+
+def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
+    """Every entry of the file in the order of the model: its place, and what adds it."""
+    sections: dict[str, Section] = {}
+    for name, table in tables.section.items():
+        with placed(source, ("section", name)):
+            sections[name] = _section(table)
+    for k, rod in enumerate(tables.rod):
+        yield ("rod", k), partial(_rod, rod, sections)
+    for k, support in enumerate(tables.support):
+        yield ("support", k), partial(_support, support)
+    for k, moved in enumerate(tables.prescribe):
+        yield ("prescribe", k), partial(_prescribe, moved, tables.statics is not None)
+    for key in ("force", "moment", "distributed"):
+        for k, load in enumerate(getattr(tables, key)):
+            yield (key, k), partial(_load, load)
+    if tables.gravity is not None:
+        yield ("gravity",), partial(_load, tables.gravity)
+    for k, start in enumerate(tables.velocity):
+        yield ("velocity", k), partial(_velocity, start)
+    if tables.rigid_velocity is not None:
+        yield ("rigid_velocity",), partial(_rigid_velocity, tables.rigid_velocity)
 
 
 def _section(table: m.Section) -> Section:
@@ -85,7 +84,7 @@ def _section(table: m.Section) -> Section:
         case m.Moduli():
             return Section.from_moduli(**_given(table))
         case m.Properties():
-            shear = table.E / (2.0 * (1.0 + table.nu))
+            shear = table.shear_modulus
             return Section.from_moduli(
                 EA=table.E * table.A,
                 GA1=table.shear_factor * shear * table.A,
@@ -98,15 +97,11 @@ def _section(table: m.Section) -> Section:
                 I_rho2=table.rho * table.I1,
             )
         case m.Matrix():
-            return Section(
-                stiffness=np.array(table.stiffness),
-                order=table.order,
-                A_rho=table.A_rho,
-                I_rho=np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho),
-            )
+            inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
+            return Section(np.array(table.stiffness), table.A_rho, inertia, order=table.order)
 
 
-def _given(table: m.Strict) -> Mapping[str, float]:
+def _given(table: Strict) -> Mapping[str, Any]:
     """What the file says and nothing else, so that the constructor's own defaults hold."""
     return table.model_dump(exclude={"kind"}, exclude_unset=True)
 
@@ -117,13 +112,13 @@ def _curve(rod: m.Rod) -> Curve:
     if rod.arc is not None:
         return arc(rod.arc.start, rod.arc.through, rod.arc.end, directors=rod.directors, d1=rod.d1)
     if rod.helix is not None:
-        return helix(**rod.helix.model_dump(), directors=rod.directors, d1=rod.d1)
+        return helix(**_given(rod.helix), directors=rod.directors, d1=rod.d1)
     if rod.polyline is not None:
         return polyline(rod.polyline, directors=rod.directors, d1=rod.d1)
     return spline(rod.spline or (), directors=rod.directors, d1=rod.d1)
 
 
-def _add_rod(model: Model, rod: m.Rod, sections: Mapping[str, Section]) -> Model:
+def _rod(rod: m.Rod, sections: Mapping[str, Section], model: Model) -> Model:
     if rod.section not in sections:
         raise ModelError(
             f"rod {rod.name!r} has the section {rod.section!r}, which the file does not define",
@@ -141,26 +136,53 @@ def _add_rod(model: Model, rod: m.Rod, sections: Mapping[str, Section]) -> Model
     )
 
 
-def _timed(load: m.Load) -> Value:
-    return load.value if load.time is None else Scaled(load.value, load.time)
+def _support(support: m.Support, model: Model) -> Model:
+    match support.type:
+        case "clamp":
+            return model.clamp(support.node)
+        case "pin":
+            return model.pin(support.node)
+        case None:
+            return model.fix(support.node, *(support.dofs or ()))
 
 
-def _prescribe(model: Model, moved: m.Prescribe, static: bool) -> Model:
+def _load(load: m.Load, model: Model) -> Model:
+    value: VecOrFn = load.value if load.time is None else Scaled(load.value, load.time)
+    match load:
+        case m.Force():
+            return model.force(load.node, value, constant=load.constant)
+        case m.Moment():
+            return model.moment(load.node, value, constant=load.constant)
+        case m.Distributed():
+            return model.distributed(load.rod, value, constant=load.constant)
+        case _:
+            return model.gravity(value, constant=load.constant)
+
+
+def _velocity(start: m.Velocity, model: Model) -> Model:
+    return model.velocity(start.node, start.v, start.omega)
+
+
+def _rigid_velocity(start: m.RigidVelocity, model: Model) -> Model:
+    return model.rigid_velocity(start.v, start.omega, start.about)
+
+
+def _prescribe(moved: m.Prescribe, static: bool, model: Model) -> Model:
     displacement, rotation = (_moving(v, moved) for v in (moved.displacement, moved.rotation))
     turn = moved.turn
     if turn is None:
         return model.prescribe(moved.node, displacement=displacement, rotation=rotation)
     if turn.time is None and not static:
         raise ModelError(
-            f"the turn of node {moved.node!r} has no time", 'say how it goes, e.g. time = { kind = "ramp", until = 1 }'
+            f"the turn of node {moved.node!r} has no time",
+            'say how it goes, e.g. time = { kind = "ramp", until = 1 }',
         )
-    axis = np.array(turn.axis) / np.linalg.norm(turn.axis)
-    vector = _vec(radians(turn.degrees) * axis)
-    rotation = Scaled(vector, turn.time or Ramp(until=1.0))
+    x, y, z = (radians(turn.degrees) * np.array(turn.axis) / np.linalg.norm(turn.axis)).tolist()
+    rotation = Scaled((x, y, z), turn.time or Ramp(until=1.0))
     displacement = displacement or (0.0, 0.0, 0.0)
     if static and isinstance(displacement, tuple):  # a plain value ramps, as the model would do with it
         displacement = Scaled(displacement, Ramp(until=1.0))
-    carried = Rotated(model.position(moved.node), turn.about, rotation, displacement)
+    carried = Rotated(_position(moved.node, model), turn.about, rotation, displacement)
     return model.prescribe(moved.node, displacement=carried, rotation=rotation)
 
 
@@ -168,6 +190,12 @@ def _moving(value: Vec | VectorTable | None, moved: m.Prescribe) -> Vec | Vector
     return Scaled(value, moved.time) if isinstance(value, tuple) and moved.time is not None else value
 
 
-def _vec(v: ArrayLike) -> Vec:
-    x, y, z = np.asarray(v, float).tolist()
-    return (x, y, z)
+def _position(node: str, model: Model) -> Vec:
+    """Where a named node is in the reference."""
+    for rod in model.rods:
+        for name, fraction in ((rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes):
+            if name == node:
+                x, y, z = rod.curve.position(fraction * rod.curve.length).tolist()
+                return (x, y, z)
+    known = ", ".join(name for rod in model.rods for name in rod.names)
+    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {known}")

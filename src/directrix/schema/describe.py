@@ -5,19 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation
-from directrix.model import Distributed, Force, Gravity, Moment, RigidVelocity
+from directrix.model import DOFS, Distributed, Force, Gravity, Moment, RigidVelocity
+from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import Statics
 from directrix.section import Section
 
+Array = NDArray[np.float64]
+
 __all__ = ["describe"]
 
 CONVENTIONS = (
-    "components of strain and section force: shear 1, shear 2, axial, bending 1, bending 2, torsion, along d1, d2, d3",
+    "components of strain and section force: shear 1, shear 2, axial, bending 1, bending 2, torsion",
     "EI1 is bending about d1; I_rho1 = ∫ρ ξ1² dA sits on d1 and belongs with EI2",
-    "forces are dead and, as moments, given in the global frame; rotation vectors in radians, applied on the left",
+    "forces are dead; forces, moments, rotation vectors (rad, applied on the left) are in the global frame",
     "angular momentum is about the origin; units are yours, as long as they are consistent",
 )
 
@@ -34,21 +38,21 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     yield "rods"
     for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True):
         d1, d3 = mesh.directors[0, :, 0], mesh.directors[0, :, 2]
-        yield (
-            f"  {rod.name}: {rod.ends[0]} → {rod.ends[1]}, length {rod.curve.length:.6g}, {(len(mesh.s) - 1) // rod.order} "
-            f"elements of order {rod.order}, {rod.points or rod.order} stress points each; "
-            f"at its start d1 = {_vector(d1)}, d3 = {_vector(d3)}"
-        )
+        count, points = (len(mesh.s) - 1) // rod.order, rod.points or rod.order
+        yield f"  {rod.name}: {rod.ends[0]} → {rod.ends[1]}, length {rod.curve.length:.6g}"
+        yield f"    at its start d1 = {_vector(d1)}, d3 = {_vector(d3)}"
+        yield f"    {count} elements of order {rod.order}, {points} stress point{'s' * (points > 1)} each"
         yield from _section(rod.section)
     yield "named nodes"
     for name, k in disc.mesh.node_names.items():
-        held = [dof for dof, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), disc.fixed[k], strict=True) if fixed]
+        held = [dof for dof, fixed in zip(DOFS, disc.fixed[k], strict=True) if fixed]
         moved = " (moves as prescribed)" if any(p[0] == k for p in disc.prescribed) else ""
         yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
     yield from _loads(disc, isinstance(case.analysis, Statics))
-    if disc.mesh.notes:
-        yield "meshing"
-        yield from (f"  {note}" for note in disc.mesh.notes)
+    assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
+    if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
+        yield "notes"
+        yield from (f"  {note}" for note in notes)
     yield "conventions"
     yield from (f"  {line}" for line in CONVENTIONS)
 
@@ -56,16 +60,16 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
 def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     do, every = case.analysis, case.output.save_every
     if isinstance(do, Statics):
-        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed; tolerance {do.tolerance:g}; kept: every {every}"
+        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed"
     else:
-        steps = round(do.t_end / do.dt)
-        yield (
-            f"dynamics: t = 0 → {do.t_end:g} in {steps} steps of {do.dt:g}, {do.integrator}, loads by the {do.load_rule} rule; "
-            f"tolerance {do.tolerance:g}; kept: every {every}"
-        )
+        yield f"dynamics: t = 0 → {do.t_end:g} in {round(do.t_end / do.dt)} steps of {do.dt:g}"
+        yield f"  {do.integrator} step, loads by the {do.load_rule} rule"
+    yield f"  tolerance {do.tolerance:g}; kept: every {'step' if every == 1 else f'{every} steps and the last'}"
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
-    yield f"  {len(disc.mesh.rods)} rods, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns, {shape}"
+    rods = len(disc.mesh.rods)
+    size = f"{rods} rod{'s' * (rods > 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    yield f"  {size}, {shape}"
 
 
 def _section(section: Section) -> Iterator[str]:
@@ -75,7 +79,8 @@ def _section(section: Section) -> Iterator[str]:
     if np.any(c - np.diag(np.diag(c))):
         yield "    coupled: the stiffness matrix has entries off its diagonal"
     inertia = section.I_rho
-    yield f"    A_rho = {section.A_rho:.6g}, I_rho1 = {inertia[0, 0]:.6g}, I_rho2 = {inertia[1, 1]:.6g}, I_rho12 = {inertia[0, 1]:.6g}"
+    inertias = {"I_rho1": inertia[0, 0], "I_rho2": inertia[1, 1], "I_rho12": inertia[0, 1]}
+    yield "    " + ", ".join(f"{k} = {v:.6g}" for k, v in {"A_rho": section.A_rho, **inertias}.items())
     yield from (f"    assumed: {sentence}" for sentence in section.assumptions)
 
 
@@ -93,18 +98,42 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
                 what = f"force per length along {load.rod}"
             case Gravity():
                 what = "gravity"
-        yield f"  {what}: {load.value}{', constant' if load.constant else ''}"
+        yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}"
     if model.prescribed:
         yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
     for p in model.prescribed:
-        yield f"  {p.node}: displacement {p.displacement}, rotation {p.rotation}"
+        yield f"  {p.node}: displacement {_text(p.displacement)}; rotation {_text(p.rotation)}"
     if model.velocities:
         yield "initial velocities"
     for start in model.velocities:
         where = "all" if isinstance(start, RigidVelocity) else start.node
-        yield f"  {where}: v = {start.v}, omega = {start.omega}" + (f" about {start.about}" if isinstance(start, RigidVelocity) else "")
+        yield f"  {where}: v = {_text(start.v)}, omega = {_text(start.omega)}" + (
+            f" about {_text(start.about)}" if isinstance(start, RigidVelocity) else ""
+        )
 
 
-def _vector(v: np.ndarray) -> str:
-    # + 0.0 turns −0 into 0
+def _text(value: object) -> str:
+    """A vector or a function of time in words."""
+    match value:
+        case None:
+            return "–"
+        case tuple():
+            return _vector(np.array(value))
+        case Scaled():
+            return f"{_vector(np.array(value.value))} × {_text(value.factor)}"
+        case Rotated():
+            return (
+                f"{_text(value.displacement)}, then turned about {_text(value.about)} by {_text(value.turn)}"
+            )
+        case Table() | VectorTable():
+            return f"table of {len(value.t)} values, t = {value.t[0]:g} … {value.t[-1]:g}"
+        case Ramp() | Sine() | Pulse():
+            given = value.model_dump(exclude={"kind"}, exclude_none=True)
+            return f"{value.kind}({', '.join(f'{k} = {v}' for k, v in given.items())})"
+        case _:
+            return repr(value)
+
+
+def _vector(v: Array) -> str:
+    # adding zero turns −0 into 0
     return "(" + ", ".join(f"{x + 0.0:.6g}" for x in np.round(v, 12)) + ")"

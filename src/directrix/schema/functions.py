@@ -6,6 +6,7 @@ In statics the argument is the load factor instead of the time.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import pi, sin
 from typing import Annotated, Any, Literal, Self
 
@@ -47,7 +48,9 @@ class Ramp(Strict):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.until <= self.start:
-            raise refuse(f"until = {self.until:g} is not after start = {self.start:g}", "give a later until", "until")
+            raise refuse(
+                f"until = {self.until:g} is not after start = {self.start:g}", "give a later until", "until"
+            )
         return self
 
     def __call__(self, t: float) -> float:
@@ -90,7 +93,11 @@ class Pulse(Strict):
         if self.peak is not None and self.shape != "triangle":
             raise refuse(f"a {self.shape} has no peak to place", "leave peak out", "peak")
         if self.peak is not None and not self.start <= self.peak <= self.end:
-            raise refuse(f"peak = {self.peak:g} is outside {self.start:g} … {self.end:g}", "put it between start and end", "peak")
+            raise refuse(
+                f"peak = {self.peak:g} is outside {self.start:g} … {self.end:g}",
+                "put it between start and end",
+                "peak",
+            )
         return self
 
     def __call__(self, t: float) -> float:
@@ -130,9 +137,11 @@ class VectorTable(Strict):
 def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
     if len(t) != len(value):
         raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
-    for k, (a, b) in enumerate(zip(t, t[1:], strict=False), 1):
+    for k, (a, b) in enumerate(pairwise(t), 1):
         if b <= a:
-            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k)
+            raise refuse(
+                f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k
+            )
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from directrix.errors import InputError, ModelError
-from directrix.schema.build import build_model
+from directrix.schema.build import build_model, placed
 from directrix.schema.messages import Source, explain
 from directrix.schema.models import CaseFile, Dynamics, Output, Statics
 from directrix.schema.places import json_places, toml_places
@@ -97,13 +97,17 @@ def load_case(path: str | PathLike[str]) -> Case:
     model = build_model(tables, title, source)
     analysis = tables.statics or tables.dynamics
     assert analysis is not None  # one of them, says the schema
-    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
+    case = Case(
+        title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest()
+    )
     try:
         case.check()
-    except InputError:
-        raise
     except ModelError as error:
-        raise InputError(error.what, error.fix, f"{source.name}: {error.where}".rstrip(": ")) from None
+        build_model(tables, title, source, check_each=True)
+        # no entry is to blame alone: name the rod that is spoken of, or the analysis
+        spoken = [("rod", k) for k, rod in enumerate(tables.rod) if repr(rod.name) in error.what]
+        with placed(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",)):
+            raise
     return case
 
 
@@ -116,16 +120,22 @@ def _read(file: Path) -> bytes:
     try:
         return file.read_bytes()
     except FileNotFoundError:
-        raise InputError("there is no such file", "check the path; directrix examples lists ready cases", str(file)) from None
+        raise InputError(
+            "there is no such file", "check the path; directrix examples lists ready cases", str(file)
+        ) from None
     except IsADirectoryError:
-        raise InputError("this is a folder, not a case file", "name the .toml or .json file in it", str(file)) from None
+        raise InputError(
+            "this is a folder, not a case file", "name the .toml or .json file in it", str(file)
+        ) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", "check the permissions", str(file)) from None
 
 
 def _parse(file: Path, raw: bytes) -> Source:
     if file.suffix.lower() not in (".toml", ".json"):
-        raise InputError(f"{file.suffix or 'no'} ending: not a case file", "case files end in .toml or .json", str(file))
+        raise InputError(
+            f"{file.suffix or 'no'} ending: not a case file", "case files end in .toml or .json", str(file)
+        )
     try:
         text = raw.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
@@ -139,8 +149,10 @@ def _parse(file: Path, raw: bytes) -> Source:
     except tomllib.TOMLDecodeError as error:
         raise _syntax(file, text, str(error)) from None
     except json.JSONDecodeError as error:
-        raise InputError(f"not valid JSON: {error.msg}", "mend the syntax near this place", f"{file}:{error.lineno}") from None
-    except _Twice as twice:
+        raise InputError(
+            f"not valid JSON: {error.msg}", "mend the syntax near this place", f"{file}:{error.lineno}"
+        ) from None
+    except _TwiceError as twice:
         raise InputError(f"the key {twice} is given twice", "keep one of them", str(file)) from None
     except ValueError:  # Python's own limit on the digits of a whole number
         raise InputError("holds a number of thousands of digits", "shorten it", str(file)) from None
@@ -162,7 +174,7 @@ def _syntax(file: Path, text: str, message: str) -> InputError:
     return InputError(f"not valid TOML: {reason}", fix, f"{file}:{line}")
 
 
-class _Twice(Exception):
+class _TwiceError(Exception):
     pass
 
 
@@ -170,6 +182,6 @@ def _unique(pairs: list[tuple[str, Any]]) -> Mapping[str, Any]:
     out: dict[str, Any] = {}
     for key, value in pairs:
         if key in out:
-            raise _Twice(repr(key))
+            raise _TwiceError(repr(key))
         out[key] = value
     return out

@@ -53,9 +53,11 @@ def _label(index: int, item: object) -> str:
 
 def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[BaseModel]) -> InputError:
     """One error for all that pydantic reported; the first in full, the rest a line each."""
+    # pydantic counts the entries of a list that are good; one that has enough was reported already
+    real = [e for e in errors if e["type"] != "too_short" or len(e["input"]) < e["ctx"]["min_length"]]
     # a misspelt key is the likely cause of the missing one beside it
-    order = sorted(errors, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
-    places = [source.where((*e["loc"], *e.get("ctx", {}).get("at", ())), e["type"] == "missing") for e in order]
+    order = sorted(real, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
+    places = [source.where((*e["loc"], *_below(e)), e["type"] == "missing") for e in order]
     sentences = [_sentence(e, root) for e in order]
     what, fix = sentences[0]
     if rest := [f"\n    {place}: {text}" for place, (text, _) in zip(places[1:], sentences[1:], strict=True)]:
@@ -109,15 +111,27 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
         case "less_than_equal":
             return f"{shown} at most {limits['le']:g}", "check the value"
         case "too_long":
-            return f"has {limits['actual_length']} entries, but takes {limits['max_length']}", "remove the others"
+            return (
+                f"has {limits['actual_length']} entries, but takes {limits['max_length']}",
+                "remove the others",
+            )
         case "too_short":
-            return f"has {limits['actual_length']} entries, but needs {limits['min_length']}", "add the missing ones"
+            return (
+                f"has {limits['actual_length']} entries, but needs {limits['min_length']}",
+                "add the missing ones",
+            )
         case "tuple_type" if isinstance(given, dict):
-            return "is one table, but there may be several", f"write the header as [[{key}]], with double brackets"
+            return (
+                "is one table, but there may be several",
+                f"write the header as [[{key}]], with double brackets",
+            )
         case "tuple_type":
             return f"{shown} a list", "write it in brackets, e.g. [0, 0, 1]"
         case "model_type" | "model_attributes_type" | "dict_type" if isinstance(given, list):
-            return "is a list of tables, but there is only one", f"write the header as [{key}], with single brackets"
+            return (
+                "is a list of tables, but there is only one",
+                f"write the header as [{key}], with single brackets",
+            )
         case "model_type" | "model_attributes_type" | "dict_type":
             return f"{shown} a table", f"write it as [{key}] or {{ … }}"
         case _:
@@ -146,6 +160,11 @@ def _nearest(given: object, expected: str) -> str:
     words = [w.strip("' ") for w in expected.replace(" or ", ", ").split(",")]
     near = get_close_matches(str(given), words, 1, 0.5)
     return f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(words)}"
+
+
+def _below(error: Mapping[str, Any]) -> tuple[str | int, ...]:
+    """The key to blame, where that is one below the place pydantic names."""
+    return ("kind",) if error["type"] == "union_tag_invalid" else error.get("ctx", {}).get("at", ())
 
 
 def _entries(loc: Sequence[str | int]) -> str:

@@ -25,24 +25,42 @@ class Material(Strict):
 
     E: Positive
     """Young's modulus (force per area)."""
-    nu: Annotated[float, Field(gt=-1.0, le=0.5)]
-    """Poisson's ratio; G = E / (2 (1 + nu))."""
+    nu: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
+    """Poisson's ratio; G = E / (2 (1 + nu)). Either nu or G."""
+    G: Positive | None = None
+    """Shear modulus."""
     rho: NotNegative = 0.0
     """Density (mass per volume); needed in dynamics and under gravity."""
+
+    @model_validator(mode="after")
+    def _nu_or_shear_modulus(self) -> Self:
+        if (self.nu is None) == (self.G is None):
+            raise refuse("a material needs nu or G, one of them", "give nu, or G")
+        return self
+
+    @property
+    def shear_modulus(self) -> float:
+        """G, or what nu gives."""
+        return self.G if self.G is not None else self.E / (2.0 * (1.0 + (self.nu or 0.0)))
+
+
+class Shape(Material):
+    """What the sections with a shape compute unless told."""
+
     shear_factor: Positive | None = None
     """Shear factor; the formula of the shape unless given."""
     torsion_constant: Positive | None = None
     """Torsion constant (length⁴); the formula of the shape unless given."""
 
 
-class Circle(Material):
+class Circle(Shape):
     """Solid circle."""
 
     kind: Literal["circle"]
     radius: Positive
 
 
-class Rectangle(Material):
+class Rectangle(Shape):
     """Solid rectangle."""
 
     kind: Literal["rectangle"]
@@ -52,7 +70,7 @@ class Rectangle(Material):
     """Size along d2."""
 
 
-class Tube(Material):
+class Tube(Shape):
     """Round tube."""
 
     kind: Literal["tube"]
@@ -62,14 +80,10 @@ class Tube(Material):
     """Wall thickness."""
 
 
-class Properties(Strict):
+class Properties(Material):
     """Area, second moments and material, as tables of profiles give them."""
 
     kind: Literal["properties"]
-    E: Positive
-    """Young's modulus."""
-    nu: Annotated[float, Field(gt=-1.0, le=0.5)]
-    """Poisson's ratio; G = E / (2 (1 + nu))."""
     A: Positive
     """Area."""
     I1: Positive
@@ -79,9 +93,7 @@ class Properties(Strict):
     J: Positive
     """Torsion constant."""
     shear_factor: Positive = 1.0
-    """GA1 = GA2 = shear_factor · G · A."""
-    rho: NotNegative = 0.0
-    """Density; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
+    """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
 
 
 class Moduli(Strict):
@@ -111,7 +123,7 @@ class Matrix(Strict):
     stiffness: Annotated[tuple[Row6, Row6, Row6, Row6, Row6, Row6], Field(strict=False)]
     """Symmetric positive definite, by rows."""
     order: Literal["shear-axial", "axial-first"]
-    """Order of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or with the axial one first."""
+    """Of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or the axial one first."""
     A_rho: NotNegative = 0.0
     """Mass per length."""
     I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
@@ -142,24 +154,26 @@ class Arc(Strict):
 
 
 class Helix(Strict):
-    """Circular helix."""
+    """Circular helix around an axis."""
 
-    start: Vector
-    """Where it begins."""
-    centre: Vector
-    """A point of its axis; the radius is the distance of ``start`` from the axis."""
-    axis: Vector
-    """Direction of its axis; turns are right-handed about it."""
+    radius: Positive
     pitch: float
-    """Advance per turn."""
-    turns: Positive
+    """Climb per turn."""
+    turns: float
+    """Number of turns; negative winds left-handed."""
+    origin: Vector = (0.0, 0.0, 0.0)
+    """A point of the axis; the helix starts beside it."""
+    axis: Vector = (0.0, 0.0, 1.0)
+    """Direction of the axis."""
+    toward: Vector | None = None
+    """Direction from the axis to the start; default: the Cartesian axis least aligned with ``axis``."""
 
 
 CURVES = ("line", "arc", "helix", "polyline", "spline")
 
 
 class Rod(Strict):
-    """One rod: a curve, a section, names of its ends, a mesh. Exactly one of line, arc, helix, polyline, spline."""
+    """One rod: a section, a mesh, and exactly one of line, arc, helix, polyline, spline."""
 
     name: Name
     section: Name
@@ -172,20 +186,23 @@ class Rod(Strict):
     """Circular helix."""
     polyline: Vectors | None = None
     """Straight between the points."""
-    spline: Vectors | None = None
-    """Smooth through the points."""
+    spline: Annotated[tuple[Vector, ...], Field(strict=False, min_length=3)] | None = None
+    """Smooth through three points or more."""
     d1: Vector | None = None
-    """Its part normal to the axis at the start is the first director; default: the Cartesian axis least aligned with the rod."""
+    """Its part normal to the axis at the start is the first director.
+
+    Default: the Cartesian axis least aligned with the rod there, ties to the lowest.
+    """
     directors: Literal["tangent", "chord"] = "tangent"
     """Directors follow the curve, or the chord of every element."""
     ends: Annotated[tuple[Name, Name], Field(strict=False)] | None = None
     """Names of the end nodes; equal names join rods rigidly. Default: ``<name>.start``, ``<name>.end``."""
-    nodes: dict[Name, Annotated[float, Field(gt=0.0, lt=1.0)]] = {}
+    nodes: dict[Name, Annotated[float, Field(gt=0.0, lt=1.0)]] = Field(default_factory=dict[str, float])
     """Names of interior nodes, by their fraction of the arclength."""
     elements: Annotated[int, Field(ge=1, le=1_000_000)]
     order: Literal[1, 2, 3] = 2
     """Polynomial order of the elements."""
-    points: Annotated[int, Field(ge=1, le=20)] | None = None
+    points: Annotated[int, Field(ge=1, le=4)] | None = None
     """Gauss points for the stresses of an element; default ``order``."""
 
     @model_validator(mode="after")
@@ -206,14 +223,18 @@ class Support(Strict):
     node: Name
     type: Literal["clamp", "pin"] | None = None
     """``clamp`` holds position and rotation, ``pin`` the position."""
-    dofs: Annotated[tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...], Field(strict=False, min_length=1)] | None = None
+    dofs: (
+        Annotated[tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...], Field(strict=False, min_length=1)]
+        | None
+    ) = None
     """Components held, in the global frame."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if (self.type is None) == (self.dofs is None):
             raise refuse(
-                "a support needs either type or dofs", 'write type = "clamp", type = "pin" or e.g. dofs = ["x", "y"]'
+                "a support needs either type or dofs",
+                'write type = "clamp", type = "pin" or e.g. dofs = ["x", "y"]',
             )
         return self
 
@@ -252,11 +273,19 @@ class Prescribe(Strict):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.displacement is None and self.rotation is None and self.turn is None:
-            raise refuse(f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn")
+            raise refuse(
+                f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn"
+            )
         if self.rotation is not None and self.turn is not None:
             raise refuse("rotation and turn both say how the node turns", "give one of them", "turn")
-        if self.time is not None and not any(isinstance(m, tuple) for m in (self.displacement, self.rotation)):
-            raise refuse("there is no vector that time could multiply", "leave time out: a table or a turn has its own", "time")
+        if self.time is not None and not any(
+            isinstance(m, tuple) for m in (self.displacement, self.rotation)
+        ):
+            raise refuse(
+                "there is no vector that time could multiply",
+                "leave time out: a table or a turn has its own",
+                "time",
+            )
         return self
 
 
@@ -374,9 +403,19 @@ class CaseFile(Strict):
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
-            raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
+            raise refuse(
+                "the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve"
+            )
         if self.statics is not None and self.dynamics is not None:
-            raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
+            raise refuse(
+                "the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics"
+            )
+        if self.statics is not None and not self.support and not self.prescribe:
+            raise refuse(
+                "nothing is held, and statics needs a support for every part of the model",
+                "add a [[support]], or replace [statics] by [dynamics]",
+                "statics",
+            )
         for key in ("velocity", "rigid_velocity"):
             if self.statics is not None and getattr(self, key):
                 raise refuse(

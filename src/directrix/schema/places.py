@@ -40,7 +40,9 @@ class _Toml:
     """A cursor over the tokens; ``lines`` fills as it goes."""
 
     def __init__(self, text: str) -> None:
-        self.tokens = [t for t in _tokens(_TOML, text) if t.kind != "comment"] + [_Token("end", "", text.count("\n") + 1)]
+        self.tokens = [t for t in _tokens(_TOML, text) if t.kind != "comment"] + [
+            _Token("end", "", text.count("\n") + 1)
+        ]
         self.at = 0
         self.lines: dict[Path, int] = {(): 1}
         self.tables: dict[Path, int] = {}  # arrays of tables: how many so far
@@ -63,7 +65,9 @@ class _Toml:
         while self.here.kind in ("bare", "text"):
             token = self.take()
             quoted = token.kind == "text"
-            parts += [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
+            parts += (
+                [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
+            )
         return parts
 
     def note(self, path: Path, line: int) -> None:

@@ -57,14 +57,15 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
         raise InputError("this is a folder, not a file", "name a file in it, such as result.vtkhdf", where)
     if not os.path.isdir(file.parent):
         raise InputError(f"there is no folder {str(file.parent)!r}", "make the folder first", where)
+    image = io.BytesIO()  # HDF5 cannot stand a failing write: a full disk may end the process
+    with h5py.File(image, "w") as root:
+        _write_vtk(root.create_group("VTKHDF"), result)
+        _write_result(root.create_group("directrix"), result)
     part = file.with_name(f".{uuid4().hex}.part")
     try:
-        with _Disk(part, "x+") as disk:
-            with h5py.File(disk, "w") as root:
-                _write_vtk(root.create_group("VTKHDF"), result)
-                _write_result(root.create_group("directrix"), result)
-            if disk.failure is not None:
-                raise disk.failure
+        with part.open("xb") as disk:
+            disk.write(image.getbuffer())
+            disk.flush()
             os.fsync(disk.fileno())
         part.replace(file)
     except OSError as error:
@@ -73,31 +74,6 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
     finally:
         part.unlink(missing_ok=True)
     return where
-
-
-class _Disk(io.FileIO):
-    """A file under HDF5, which cannot stand a failing write (it may end the process).
-
-    The first failure, a full disk or Ctrl-C, is kept for ``save`` to raise; what follows is dropped.
-    """
-
-    failure: BaseException | None = None
-
-    def write(self, data: Any) -> int:
-        rest = memoryview(data).cast("B")
-        try:
-            while self.failure is None and rest:
-                rest = rest[super().write(rest) :]
-        except BaseException as error:
-            self.failure = error
-        return len(data)
-
-    def truncate(self, size: int | None = None) -> int:
-        try:
-            return super().truncate(size) if self.failure is None else 0
-        except BaseException as error:
-            self.failure = error
-            return 0
 
 
 def load(path: str | os.PathLike[str]) -> Result:

@@ -21,6 +21,7 @@ from directrix.result import Result, RodMesh
 
 __all__ = ["write_html"]
 
+SCRIPTS = ("model.js", "scene.js", "page.js", "chart.js", "hands.js")  # one script, in this order
 FRAMES_AT_MOST = 600
 BYTES_AT_MOST = 24_000_000  # of frames, before base64 adds a third: a page that browsers still open at once
 
@@ -29,22 +30,22 @@ def write_html(result: Result, path: str | PathLike[str]) -> str:
     """Write the run as one offline HTML page with its own WebGL drawing; returns the path.
 
     At most 600 instants are kept, fewer for very large models; the page says how many of how many.
-    Raises ModelError when the folder is missing or when the result holds numbers that are not finite.
+    Raises ModelError when the file cannot be written (its folder is missing, say) and when the result holds
+    numbers that are not finite.
     """
-    target = Path(path)
-    if not target.resolve().parent.is_dir():
+    page = _page(result)
+    try:
+        Path(path).write_text(page, encoding="utf-8", newline="\n")
+    except OSError as error:
         raise ModelError(
-            f"the folder of {fspath(path)} does not exist", "make it first, or choose another path"
-        )
-    if target.is_dir():
-        raise ModelError(f"{fspath(path)} is a folder", "give the name of a file, such as run.html")
-    target.write_text(_page(result), encoding="utf-8", newline="\n")
+            f"cannot write {fspath(path)}: {error.strerror}", "choose a file in a folder that exists"
+        ) from None
     return fspath(path)
 
 
 def _page(result: Result) -> str:
     style = _part("page.css")
-    script = "\n".join(_part(name) for name in ("model.js", "scene.js", "page.js"))
+    script = "\n".join(_part(name) for name in SCRIPTS)
     # only this style and this script may run, and nothing may be fetched: names in a model stay text
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "

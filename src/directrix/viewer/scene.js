@@ -9,7 +9,10 @@ in float sample_;
 in vec3 offset;
 in vec3 normal;
 out vec3 toward, facing, paint;
-vec4 row(int k) { int width = textureSize(poses, 0).x; int at = int(sample_) * 3 + k; return texelFetch(poses, ivec2(at % width, at / width), 0); }
+vec4 row(int k) {
+  int width = textureSize(poses, 0).x, at = int(sample_) * 3 + k;
+  return texelFetch(poses, ivec2(at % width, at / width), 0);
+}
 void main() {
   vec4 r = row(0), d1 = row(1), d2 = row(2);
   mat3 frame = mat3(d1.xyz, d2.xyz, cross(d1.xyz, d2.xyz));
@@ -93,7 +96,8 @@ function sweep(skeleton, thickness, plainRadius) {
       const middle = add(end, [0, 0, 0], [0, 0, way]);
       outline.forEach((p) => add(end, [...p, 0], [0, 0, way]));
       outline.forEach((_, i) => triangles.push(middle, middle + 1 + i, middle + 1 + (i + 1) % outline.length));
-      if (shared.get(node) > 1) ball(add, triangles, end, Math.min(...edges.map(({ p, normal }) => Math.abs(p[0] * normal[0] + p[1] * normal[1]))));
+      const inner = Math.min(...edges.map(({ p, normal }) => Math.abs(p[0] * normal[0] + p[1] * normal[1])));
+      if (shared.get(node) > 1) ball(add, triangles, end, inner);
     }
   }
   return { vertices: new Float32Array(vertices), triangles: new Uint32Array(triangles) };
@@ -118,10 +122,15 @@ function ball(add, triangles, sample, radius) {
 function outlineOf(rod, plainRadius) {
   const points = [];
   for (let i = 0; i < rod.outline.length; i += 2) points.push([rod.outline[i], rod.outline[i + 1]]);
-  if (points.length < 3) return Array.from({ length: 16 }, (_, i) => [plainRadius * Math.cos(i * Math.PI / 8), plainRadius * Math.sin(i * Math.PI / 8)]);
+  if (points.length < 3) {
+    return Array.from({ length: 16 }, (_, i) => [plainRadius * Math.cos(i * Math.PI / 8), plainRadius * Math.sin(i * Math.PI / 8)]);
+  }
   const [a, z] = [points[0], points.at(-1)];
   if (a[0] === z[0] && a[1] === z[1]) points.pop();
-  const area = points.reduce((sum, p, i) => sum + p[0] * points[(i + 1) % points.length][1] - p[1] * points[(i + 1) % points.length][0], 0);
+  const area = points.reduce((sum, p, i) => {
+    const q = points[(i + 1) % points.length];
+    return sum + p[0] * q[1] - p[1] * q[0];
+  }, 0);
   return area < 0 ? points.reverse() : points;
 }
 
