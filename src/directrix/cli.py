@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from enum import StrEnum
 from functools import wraps
@@ -81,47 +81,53 @@ def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             code = command(*args, **kwargs) or 0
-        except ModelError as error:
-            _say(f"error: {error}")
-            code = 2
-        except KeyboardInterrupt:
-            _say("interrupted: nothing was saved")
-            code = 130
         except (typer.Exit, typer.Abort, BrokenPipeError):
             raise
+        except ModelError as error:
+            code = _failed(2, f"error: {error}")
+        except KeyboardInterrupt:
+            code = _failed(130, "interrupted: nothing was saved")
         except OSError as error:
-            _say(f"error: {error.filename or 'the system'}: {error.strerror or error}")
-            code = 2
+            code = _failed(2, f"error: {error.filename or 'the system'}: {error.strerror or error}")
         except Exception as error:
-            _say(
+            code = _failed(
+                1,
                 f"internal error: {type(error).__name__}: {error}\n"
                 "  This is a fault of directrix, not of your input. Please report it, with the case file,\n"
-                f"  what 'directrix doctor' prints, and the traceback that --traceback (or {TRACEBACK}=1) shows."
+                f"  what 'directrix doctor' prints, and the traceback of --traceback (or {TRACEBACK}=1).",
             )
-            code = 1
-        else:
-            raise typer.Exit(code)
-        if os.environ.get(TRACEBACK):
-            traceback.print_exc()
         raise typer.Exit(code)
 
     return run
 
 
-@app.callback()
-def _options(
-    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
-    traceback: Annotated[
-        bool, typer.Option("--traceback", help="Show the traceback of an error as well.")
-    ] = False,
-) -> None:
-    if traceback:
-        os.environ[TRACEBACK] = "1"
-    if version:
+def _failed(code: int, message: str) -> int:
+    """Say what went wrong, with the traceback of the error at hand when it was asked for."""
+    _say(message)
+    if os.environ.get(TRACEBACK):
+        traceback.print_exc()
+    return code
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
         from directrix import __version__
 
         print(f"directrix {__version__}")
-        raise typer.Exit(0)
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool,
+    typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version and leave."),
+]
+Traceback = Annotated[bool, typer.Option("--traceback", help="Show the traceback of an error as well.")]
+
+
+@app.callback()
+def _options(version: Version = False, traceback: Traceback = False) -> None:  # pyright: ignore[reportUnusedFunction]
+    if traceback:
+        os.environ[TRACEBACK] = "1"
 
 
 @app.command()
@@ -322,7 +328,7 @@ def _console(quiet: bool) -> Console:
 
 
 @contextmanager
-def _progress(console: Console) -> Iterator[Callable[[float, str], None]]:
+def _progress(console: Console) -> Generator[Callable[[float, str], None]]:
     """A live bar with the solver's line; on a pipe nothing moves and nothing is printed."""
     import time
 

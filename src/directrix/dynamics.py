@@ -72,10 +72,12 @@ def simulate(
     x = initial_state(disc, start, dynamic=True)
     newton = Newton(disc, integrator.rule, Settings(tolerance), dt)
     recorder = Recorder(disc, "dynamic")
-    ledger = DynamicBooks(disc, integrator, newton.books(x), dt)
-    recorder.keep(t0, 1.0, newton.positions(x), x, newton.books(x), (0.0, 0.0))
+    books = newton.books(x)
+    ledger = DynamicBooks(disc, integrator, books, dt)
+    recorder.keep(t0, 1.0, newton.positions(x), x, books, (0.0, 0.0))
     steady = not any(load.varies for load in disc.loads)
     external = disc.external(t0)
+    before = t0
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
         for k in range(1, steps + 1):
@@ -101,6 +103,8 @@ def simulate(
                 progress(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
+    except ModelError as error:  # a function of time that fails on the way: keep what there is
+        status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
     info = {
         "integrator": repr(integrator), "formulation": repr(formulation or Directors()), "dt": dt, "t_end": t_end,
         "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),

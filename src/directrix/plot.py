@@ -208,13 +208,11 @@ def _total_energies(pen: Any, label: str, first: Result, others: list[tuple[str,
         if not result.success:
             end, height = float(result.t[-1]), min(float(total[-1]), 0.96 * top)
             pen.plot([end], [height], ls="", marker="x", ms=10, mew=2.6, color=colour)
-            left = end > 0.5 * float(first.t[-1])
-            text = f"stops at {draw.clock(result)} = {end:.4g}" + (
-                f"\n(energy {total[-1]:.3g})" if total[-1] > top else ""
-            )
+            off = float(total[-1]) > top  # the curve has left the panel before it stopped
             pen.annotate(
-                text, (end, height), (-9 if left else 9, 0), textcoords="offset points", color=colour,
-                ha="right" if left else "left", va="center", fontsize=9,
+                f"stops at {draw.clock(result)} = {end:.4g}" + (f"\n(energy {total[-1]:.3g})" if off else ""),
+                (end, height), (0, -10) if off else (-9, 0), textcoords="offset points", color=colour,
+                ha="center" if off else "right", va="top" if off else "center", fontsize=9,
             )  # fmt: skip
     draw.finish(pen, "energy", "energy", below=True)
     pen.set_ylim(0.0, top)
@@ -235,6 +233,6 @@ def _snapshots(figure: Any, label: str, result: Result, count: int) -> None:
             stage.line(draw.axis_line(rod, result.r[k]), color=colour, lw=2.4, solid_capstyle="round")
         for limits, middle in zip((pen.set_xlim, pen.set_ylim, pen.set_zlim), centre, strict=True):
             limits(middle - reach, middle + reach)
-        pen.set_box_aspect((1, 1, 1), zoom=1.9)
+        pen.set_box_aspect((1, 1, 1), zoom=1.6)
         pen.set_axis_off()
         pen.set_title(f"t = {result.t[k]:.4g}", fontsize=9, y=-0.1, color=draw.INK)

@@ -96,7 +96,7 @@ class Mesh:
 class Status:
     """How a run ended. ``code`` is for programs, ``sentence`` and ``advice`` for people.
 
-    Codes: ``done``, ``not_converged``, ``non_finite``, ``singular``, ``interrupted``, ``stopped``.
+    Codes: ``done``, ``not_converged``, ``non_finite``, ``singular``, ``bad_input``, ``interrupted``, ``stopped``.
     """
 
     code: str

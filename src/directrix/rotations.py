@@ -69,7 +69,8 @@ def smallest_rotation(a: ArrayLike, b: ArrayLike) -> Array:
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     skew = hat(np.cross(a, b))
-    return np.eye(3) + skew + (skew @ skew) / (1.0 + np.sum(a * b, -1))[..., None, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.eye(3) + skew + (skew @ skew) / (1.0 + np.sum(a * b, -1))[..., None, None]
 
 
 def is_rotation(rotation: Array, tolerance: float = 1e-9) -> bool:

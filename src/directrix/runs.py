@@ -6,11 +6,11 @@ import csv
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from directrix.errors import InputError
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from directrix.schema import Case
 
 __all__ = ["RunFolder", "exit_code", "summary"]
+
+Json: TypeAlias = "dict[str, Json] | list[Json] | str | int | float | bool | None"
 
 RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "view.html"
 PICTURES = ("energy", "momentum", "motion")
@@ -118,7 +120,7 @@ def draw(result: Result, picture: str, path: Path, **options: Any) -> Path:
     return path
 
 
-def summary(case: Case, result: Result, saved: Path) -> dict[str, Any]:
+def summary(case: Case, result: Result, saved: Path) -> Json:
     """What ``run.json`` holds."""
     energy, audit, steps = result.energy, result.audit, result.iterations
     return {
@@ -134,7 +136,7 @@ def summary(case: Case, result: Result, saved: Path) -> dict[str, Any]:
         "input": {"path": str(case.source), "sha256": case.sha256},
         "result": {"path": saved.name, "sha256": hashlib.sha256(saved.read_bytes()).hexdigest()},
         "kind": result.kind,
-        "info": dict(result.info),
+        "info": {k: v if isinstance(v, (bool, int, float)) else str(v) for k, v in result.info.items()},
         "steps": {
             "taken": int(steps.size),
             "saved_instants": int(result.t.size),
@@ -202,18 +204,16 @@ def _few(names: list[str]) -> str:
 
 def _is_summary(path: Path) -> bool:
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data: Json = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
-    return isinstance(data, Mapping) and data.get("program") == "directrix"
+    return isinstance(data, dict) and data.get("program") == "directrix"
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: Json) -> Json:
     """JSON has no NaN: null stands for what is not a number."""
-    if isinstance(value, Mapping):
-        return {str(k): _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list):
         return [_finite(v) for v in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value if isinstance(value, str | int | float | bool | None) else str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -110,6 +110,8 @@ def solve_static(
                 progress(done, f"load factor {done:.6g}  {outcome.iterations} iterations")
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at load factor {done:.6g}.", "Go on with start=.")
+    except ModelError as error:  # a function of the load factor that fails on the way: keep what there is
+        status = Status("bad_input", f"stopped at load factor {done:.6g}: {error.what}.", f"{error.fix}.")
     if kept < done:
         recorder.keep(done, done, x[:, :3], x, books, (ledger.work, ledger.prescribed))
     if status.success:

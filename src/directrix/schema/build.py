@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from math import radians
@@ -40,7 +40,7 @@ def build_model(tables: m.CaseFile, title: str, source: Source, *, check_each: b
 
 
 @contextmanager
-def placed(source: Source, loc: Path) -> Iterator[None]:
+def placed(source: Source, loc: Path) -> Generator[None]:
     """Give a ModelError the place of an entry of the file."""
     try:
         yield

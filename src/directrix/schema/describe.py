@@ -64,7 +64,8 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     else:
         yield f"dynamics: t = 0 → {do.t_end:g} in {round(do.t_end / do.dt)} steps of {do.dt:g}"
         yield f"  {do.integrator} step, loads by the {do.load_rule} rule"
-    yield f"  tolerance {do.tolerance:g}; kept: every {'step' if every == 1 else f'{every} steps and the last'}"
+    kept = "every step" if every == 1 else f"every {every} steps and the last"
+    yield f"  tolerance {do.tolerance:g}; kept: {kept}"
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
     rods = len(disc.mesh.rods)
@@ -117,8 +118,8 @@ def _text(value: object) -> str:
     match value:
         case None:
             return "–"
-        case tuple():
-            return _vector(np.array(value))
+        case (float(), float(), float()):
+            return _vector(np.array(value, float))
         case Scaled():
             return f"{_vector(np.array(value.value))} × {_text(value.factor)}"
         case Rotated():

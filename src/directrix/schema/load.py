@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
@@ -141,6 +141,7 @@ def _parse(file: Path, raw: bytes) -> Source:
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise InputError("is not UTF-8 text", "save the file as UTF-8", f"{file}:{line}") from None
+    data: Any
     try:
         if file.suffix.lower() == ".toml":
             data, places = tomllib.loads(text), toml_places
@@ -160,7 +161,7 @@ def _parse(file: Path, raw: bytes) -> Source:
         raise InputError("is nested too deeply", "a case file needs no such nesting", str(file)) from None
     if not isinstance(data, dict):
         raise InputError("the top of the file is not a table", "write an object in braces { … }", f"{file}:1")
-    return Source(str(file), data, places(text))
+    return Source(str(file), cast("dict[str, Any]", data), places(text))
 
 
 def _syntax(file: Path, text: str, message: str) -> InputError:

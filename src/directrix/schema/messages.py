@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 from pydantic import BaseModel
 
@@ -30,7 +30,8 @@ class Source:
         shown with the line of the table that lacks it.
         """
         path: Path = ()
-        shown, value = "", self.data
+        shown = ""
+        value: Any = self.data
         for part in loc:
             if (*path, part) in self.lines:
                 path = (*path, part)
@@ -44,9 +45,10 @@ class Source:
 
 def _label(index: int, item: object) -> str:
     if isinstance(item, dict):
+        table = cast("dict[str, Any]", item)
         for key in ("name", "node", "rod"):
-            if isinstance(item.get(key), str):
-                return f"[{item[key]}]"
+            if isinstance(table.get(key), str):
+                return f"[{table[key]}]"
         return f"[#{index + 1}]"
     return f"[{index}]"
 

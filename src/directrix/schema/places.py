@@ -56,6 +56,9 @@ class _Toml:
         self.at += token.kind != "end"
         return token
 
+    def at_mark(self, mark: str) -> bool:
+        return self.here.text == mark and self.here.kind == "mark"
+
     def skip(self, *texts: str) -> None:
         while self.here.kind == "newline" or self.here.text in texts:
             self.take()
@@ -76,19 +79,19 @@ class _Toml:
 
     def value(self, path: Path) -> None:
         self.note(path, self.here.line)
-        if self.here.text == "[":
+        if self.at_mark("["):
             self.take()
             self.skip(",")
             index = 0
-            while self.here.text != "]" and self.here.kind != "end":
+            while not self.at_mark("]") and self.here.kind != "end":
                 self.value((*path, index))
                 self.skip(",")
                 index += 1
             self.take()
-        elif self.here.text == "{":
+        elif self.at_mark("{"):
             self.take()
             self.skip(",")
-            while self.here.text != "}" and self.here.kind != "end":
+            while not self.at_mark("}") and self.here.kind != "end":
                 self.pair(path)
                 self.skip(",")
             self.take()
@@ -105,7 +108,7 @@ class _Toml:
 
     def header(self) -> Path:
         line = self.take().line
-        several = self.here.text == "["
+        several = self.at_mark("[")
         if several:
             self.take()
         path: Path = ()
@@ -125,7 +128,7 @@ class _Toml:
         table: Path = ()
         self.skip()
         while self.here.kind != "end":
-            if self.here.text == "[":
+            if self.at_mark("["):
                 table = self.header()
             else:
                 self.pair(table)

@@ -118,8 +118,8 @@ function hands() {
 function begin() {
   option(part("colour"), "plain", "plain");
   if (run.rods.length > 1) option(part("colour"), "rod", "by rod");
-  for (const [field, title] of [["strain", "strain"], ["force", "section force"]]) {
-    COMPONENTS.forEach((name, i) => option(part("colour"), `${field}:${i}`, `${title}: ${name}`));
+  for (const field of ["strain", "force"]) {
+    COMPONENTS.forEach((name, i) => option(part("colour"), `${field}:${i}`, `${field}: ${name}`));
   }
   for (const k of thicknesses) option(part("thickness"), k, k === 1 ? "true" : `${k} times`);
   part("thickness").value = fitting;
@@ -144,6 +144,7 @@ function begin() {
   if (asked >= 0) go(asked);
   else if (dynamic && !calm) play(true);
   else go(dynamic ? 0 : last);
+  render(0); // at once, not with the next frame: a page opened in the background is complete
   document.documentElement.dataset.state = "ready";
 }
 
