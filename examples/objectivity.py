@@ -25,7 +25,9 @@ MOMENT = np.array([-3786.5495, -3786.5495, 0.0])
 def main(*, elements: int = 9, turns: int = 6, degrees: float = 10.0, out: str | None = None) -> np.ndarray:
     """Reactions at A in the turning frame, (turns + 1, 6); prints them and draws their drift if ``out`` is given."""
     E, G = 1.2e8, 1.2e8 / 2.6
-    section = dx.Section.from_moduli(EA=0.1 * E, GA1=0.1 * G, GA2=0.1 * G, EI1=8.3e-5 * E, EI2=8.3e-5 * E, GJ=1.6e-4 * G)
+    section = dx.Section.from_moduli(
+        EA=0.1 * E, GA1=0.1 * G, GA2=0.1 * G, EI1=8.3e-5 * E, EI2=8.3e-5 * E, GJ=1.6e-4 * G
+    )
     axis = np.ones(3) / np.sqrt(3.0)
     stretched = np.array([0.5 / np.sqrt(2.0), -0.5 / np.sqrt(2.0), 3.0])
     stages = turns + 1
@@ -39,7 +41,14 @@ def main(*, elements: int = 9, turns: int = 6, degrees: float = 10.0, out: str |
 
     model = (
         dx.Model(name="objectivity")
-        .rod(dx.line((0, 0, 2), (0, 0, 5), d1=(1, 0, 0)), section, name="rod", ends=("A", "B"), elements=elements, order=1)
+        .rod(
+            dx.line((0, 0, 2), (0, 0, 5), d1=(1, 0, 0)),
+            section,
+            name="rod",
+            ends=("A", "B"),
+            elements=elements,
+            order=1,
+        )
         .prescribe("A", displacement=(0, 0, 0), rotation=turn)
         .prescribe("B", displacement=move, rotation=turn)
     )
@@ -62,7 +71,9 @@ def main(*, elements: int = 9, turns: int = 6, degrees: float = 10.0, out: str |
 
 def test_reactions_do_not_change() -> None:
     local = main()
-    np.testing.assert_allclose(local, np.broadcast_to(local[0], local.shape), rtol=0, atol=1e-10 * np.abs(local[0]).max())
+    np.testing.assert_allclose(
+        local, np.broadcast_to(local[0], local.shape), rtol=0, atol=1e-10 * np.abs(local[0]).max()
+    )
     np.testing.assert_allclose(local[0, :3], FORCE, rtol=1e-8, atol=5e-5)
     np.testing.assert_allclose(local[0, 3:], MOMENT, rtol=1e-8, atol=5e-5)
 

@@ -27,14 +27,20 @@ def closed_form() -> tuple[np.ndarray, np.ndarray]:
     a, b = exp(AT_A), exp(AT_B)
     mean, slope = 0.5 * (a + b), b - a
     d, s = mean.T, slope.T
-    curvature = [0.5 * (d[2] @ s[1] - d[1] @ s[2]), 0.5 * (d[0] @ s[2] - d[2] @ s[0]), 0.5 * (d[1] @ s[0] - d[0] @ s[1])]
+    curvature = [
+        0.5 * (d[2] @ s[1] - d[1] @ s[2]),
+        0.5 * (d[0] @ s[2] - d[2] @ s[0]),
+        0.5 * (d[1] @ s[0] - d[0] @ s[1]),
+    ]
     return np.array(curvature), np.linalg.solve(mean.T, [0.0, 0.0, 1.0]) - [0.0, 0.0, 1.0]
 
 
 def main(*, first_a: float = 0.775, first_b: float = 0.4) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Curvature (3,) and tip displacement (3,) by path; path II starts with the given fractions."""
     E, G = 1.2e8, 1.2e8 / 2.6
-    section = dx.Section.from_moduli(EA=0.1 * E, GA1=0.1 * G, GA2=0.1 * G, EI1=8.3e-5 * E, EI2=8.3e-5 * E, GJ=1.6e-4 * G)
+    section = dx.Section.from_moduli(
+        EA=0.1 * E, GA1=0.1 * G, GA2=0.1 * G, EI1=8.3e-5 * E, EI2=8.3e-5 * E, GJ=1.6e-4 * G
+    )
     rod = dx.Model(name="path independence").rod(
         dx.line((0, 0, 0), (0, 0, 1), d1=(1, 0, 0)), section, name="rod", ends=("A", "B"), elements=1, order=1
     )
@@ -55,7 +61,9 @@ def main(*, first_a: float = 0.775, first_b: float = 0.4) -> dict[str, tuple[np.
 
 def test_both_paths_end_in_the_closed_form() -> None:
     found = main()
-    for one, two, exact, printed in zip(*found.values(), closed_form(), (PAPER_CURVATURE, PAPER_TIP), strict=True):
+    for one, two, exact, printed in zip(
+        *found.values(), closed_form(), (PAPER_CURVATURE, PAPER_TIP), strict=True
+    ):
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-13)
         np.testing.assert_allclose(one, exact, rtol=0, atol=1e-12)
         np.testing.assert_allclose(one, printed, rtol=0, atol=1e-5)

@@ -16,7 +16,9 @@ import numpy as np
 import directrix as dx
 
 
-def main(*, E: float = 5e6, dt: float = 0.01, t_end: float = 2.0, elements: int = 10, out: str | None = None) -> dx.Result:
+def main(
+    *, E: float = 5e6, dt: float = 0.01, t_end: float = 2.0, elements: int = 10, out: str | None = None
+) -> dx.Result:
     """A rubber rod 1 m long, 1 cm in radius; prints the audit, draws and writes the animation if ``out`` is given."""
     section = dx.Section.circle(radius=0.01, E=E, nu=0.5, rho=1100)
     model = (

@@ -7,7 +7,8 @@ import dataclasses
 import json
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -369,6 +370,63 @@ def test_free_flight_from_its_file(case: Path) -> None:
     np.testing.assert_allclose(result.momentum.linear, np.tile((0, -0.75, 2.25), (151, 1)), atol=1e-11)
     summary = json.loads((case.with_suffix(".run") / "run.json").read_text())
     assert summary["audit"]["passed"] and summary["steps"]["taken"] == 150
+
+
+def test_what_was_computed_before_an_interruption_is_kept(
+    monkeypatch: pytest.MonkeyPatch, case: Path
+) -> None:
+    @contextmanager
+    def live(_: object) -> Iterator[Callable[[float, str], None]]:
+        def progress(done: float, text: str) -> None:
+            assert "iterations" in text
+            if done > 0.1:
+                raise KeyboardInterrupt
+
+        yield progress
+
+    monkeypatch.setattr("directrix.console.live", live)
+    code, out, _ = run("run", case, "--no-view")
+    assert code == 130 and "interrupted at t = " in out
+    result = load(case.with_suffix(".run") / "result.vtkhdf")
+    assert 3.0 <= result.t[-1] <= 3.4 and result.status.code == "interrupted"
+    assert json.loads((case.with_suffix(".run") / "run.json").read_text())["status"]["exit_code"] == 130
+
+
+ROLL_UP = """
+[section.unit]
+kind = "moduli"
+EA = 1e4
+GA1 = 1e4
+GA2 = 1e4
+EI1 = 100
+EI2 = 100
+GJ = 100
+[[rod]]
+name = "rod"
+section = "unit"
+line = [[0, 0, 0], [10, 0, 0]]
+ends = ["root", "tip"]
+elements = 8
+order = 1
+[[support]]
+node = "root"
+type = "clamp"
+[[moment]]
+node = "tip"
+value = [0, 0, 62.83185307179586]
+[statics]
+"""
+
+
+def test_a_run_that_cannot_converge_keeps_what_it_has(tmp_path: Path) -> None:
+    # eight linear elements carry no more than n/(4π) = 0.6366 of a full turn
+    path = tmp_path / "roll.toml"
+    path.write_text(ROLL_UP)
+    code, out, _ = run("run", path, "--no-view")
+    assert code == 3 and "stopped at load factor 0.63" in out and "refine or raise the order" in out
+    result = load(tmp_path / "roll.run" / "result.vtkhdf")
+    assert 0.63 < result.t[-1] < 0.6367 and np.isfinite(result.r).all()
+    assert json.loads((tmp_path / "roll.run" / "run.json").read_text())["status"]["code"] == "not_converged"
 
 
 def test_bend_from_its_file(tmp_path: Path) -> None:

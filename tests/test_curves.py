@@ -56,7 +56,9 @@ def test_default_d1_is_the_axis_least_aligned_ties_to_the_lowest() -> None:
     np.testing.assert_allclose(dx.line((0, 0, 0), (2, 0, 0)).frames(0.0, 0.0)[:, 0], (0, 1, 0), atol=0)
     d1 = dx.line((0, 0, 0), (1, 1, 1)).frames(0.0, 0.0)[:, 0]
     np.testing.assert_allclose(d1, np.array([2, -1, -1]) / np.sqrt(6), atol=1e-15)
-    np.testing.assert_allclose(dx.line((0, 0, 0), (0, 0, 1), d1=(1, 1, 5)).frames(0.0, 0.0)[:, 0], [np.sqrt(0.5)] * 2 + [0])
+    np.testing.assert_allclose(
+        dx.line((0, 0, 0), (0, 0, 1), d1=(1, 1, 5)).frames(0.0, 0.0)[:, 0], [np.sqrt(0.5)] * 2 + [0]
+    )
 
 
 def test_a_polyline_has_two_frames_at_a_corner() -> None:

@@ -23,7 +23,14 @@ def section(scale: float = 1.0, mass: float = 1.0, length: float = 1.0) -> dx.Se
 def flying(order: int = 1, elements: int = 6) -> dx.Model:
     return (
         dx.Model(name="flying rod")
-        .rod(dx.line((1, 0, 0), (4, 0, 1)), section(), name="rod", ends=("a", "b"), elements=elements, order=order)
+        .rod(
+            dx.line((1, 0, 0), (4, 0, 1)),
+            section(),
+            name="rod",
+            ends=("a", "b"),
+            elements=elements,
+            order=order,
+        )
         .velocity("a", (0.3, 1.0, -2.0), omega=(1.0, 0.5, 2.0))
         .velocity("b", (0.0, -1.0, 1.0))
     )
@@ -33,8 +40,19 @@ def tripod(order: int = 1) -> dx.Model:
     """Three rods on one node: not a chain."""
     model = dx.Model(name="tripod")
     for k, tip in enumerate([(2, 0, 0), (0, 2, 0), (-1, -1, 1)]):
-        model = model.rod(dx.line((0, 0, 0), tip), section(), name=f"leg{k}", ends=("hub", f"tip{k}"), elements=3, order=order)
-    return model.velocity("tip0", (0, 0, 2)).velocity("tip1", (1, 0, 0)).velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
+        model = model.rod(
+            dx.line((0, 0, 0), tip),
+            section(),
+            name=f"leg{k}",
+            ends=("hub", f"tip{k}"),
+            elements=3,
+            order=order,
+        )
+    return (
+        model.velocity("tip0", (0, 0, 2))
+        .velocity("tip1", (1, 0, 0))
+        .velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
+    )
 
 
 @pytest.mark.parametrize("integrator", [dx.EnergyMomentum(), dx.Midpoint()])
@@ -48,7 +66,9 @@ def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None
             assert deviation >= 1e-4, f"{law} is not claimed and yet kept: claim it"
 
 
-@pytest.mark.parametrize("model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name
+)
 def test_free_flight_conserves_for_every_order_and_solver(model: dx.Model) -> None:
     result = dx.simulate(model, t_end=5.0, dt=0.05)
     assert result.success and result.audit.passed
@@ -100,8 +120,12 @@ def test_going_on_from_a_result_is_the_same_motion() -> None:
 
 def test_a_rod_described_from_its_other_end_moves_the_same() -> None:
     d1 = (0, 1, 0)
-    one = dx.Model().rod(dx.line((0, 0, 0), (3, 0, 0), d1=d1), section(), name="rod", ends=("a", "b"), elements=6)
-    two = dx.Model().rod(dx.line((3, 0, 0), (0, 0, 0), d1=d1), section(), name="rod", ends=("b", "a"), elements=6)
+    one = dx.Model().rod(
+        dx.line((0, 0, 0), (3, 0, 0), d1=d1), section(), name="rod", ends=("a", "b"), elements=6
+    )
+    two = dx.Model().rod(
+        dx.line((3, 0, 0), (0, 0, 0), d1=d1), section(), name="rod", ends=("b", "a"), elements=6
+    )
     tips = []
     for model in (one, two):
         loaded = model.clamp("a").force("b", (1.0, 2.0, 3.0)).velocity("b", (0, 1, 1))
@@ -116,7 +140,13 @@ def test_other_units_give_the_same_motion() -> None:
     for mm, tonne in ((1.0, 1.0), (1e3, 1e-3)):
         model = (
             dx.Model()
-            .rod(dx.line((0, 0, 0), (3 * mm, 0, 0)), section(1.0, tonne, mm), name="rod", ends=("a", "b"), elements=6)
+            .rod(
+                dx.line((0, 0, 0), (3 * mm, 0, 0)),
+                section(1.0, tonne, mm),
+                name="rod",
+                ends=("a", "b"),
+                elements=6,
+            )
             .clamp("a")
             .force("b", (1.0, 2.0, 3.0))
             .velocity("b", (0, 1.0 * mm, 0))

@@ -7,7 +7,9 @@ import pytest
 
 import directrix as dx
 
-SECTION = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1)
+SECTION = dx.Section.from_moduli(
+    EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1
+)
 MASSLESS = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
 
@@ -47,20 +49,28 @@ def test_a_junction_at_any_angle_carries_force_and_moment() -> None:
     assert result.success and result.info["solver"] == "chain"
     reaction = result.node("A").reaction[-1]
     np.testing.assert_allclose(reaction[:3], [0, -1e-4, 0], atol=1e-12)
-    np.testing.assert_allclose(reaction[3:], -np.cross([1.5, 0.5, np.sqrt(0.5)], [0, 1e-4, 0]), rtol=1e-3, atol=1e-9)
+    np.testing.assert_allclose(
+        reaction[3:], -np.cross([1.5, 0.5, np.sqrt(0.5)], [0, 1e-4, 0]), rtol=1e-3, atol=1e-9
+    )
 
 
 def test_named_interior_nodes_fall_on_the_mesh_or_move_it_and_say_so() -> None:
     on = dx.solve_static(held(elements=5, nodes={"P": 0.2}), steps=1)
     assert on.mesh.notes == () and on.node("P").r[0] == pytest.approx([0.2, 0, 0])
     off = dx.solve_static(held(elements=5, nodes={"P": 0.33}).split("beam", {"Q": 0.5}), steps=1)
-    assert off.node("P").r[0] == pytest.approx([0.33, 0, 0]) and off.node("Q").r[0] == pytest.approx([0.5, 0, 0])
+    assert off.node("P").r[0] == pytest.approx([0.33, 0, 0]) and off.node("Q").r[0] == pytest.approx(
+        [0.5, 0, 0]
+    )
     assert "rod 'beam': the mesh was fitted" in off.mesh.notes[0]
     assert any("fitted" in note for note in off.audit.notes)
 
 
 def test_kinks_of_a_polyline_get_nodes() -> None:
-    model = dx.Model().rod(dx.polyline([(0, 0, 0), (1, 0, 0), (1, 2, 0)]), SECTION, name="bent", elements=4).clamp("bent.start")
+    model = (
+        dx.Model()
+        .rod(dx.polyline([(0, 0, 0), (1, 0, 0), (1, 2, 0)]), SECTION, name="bent", elements=4)
+        .clamp("bent.start")
+    )
     result = dx.solve_static(model, steps=1)
     assert np.any(np.all(np.isclose(result.mesh.r0, (1, 0, 0)), axis=1))
 
@@ -101,9 +111,15 @@ def test_kinks_of_a_polyline_get_nodes() -> None:
         (lambda: rod().prescribe("A"), "nothing is prescribed"),
         (lambda: rod().velocity("A", (1, 0, 0)).velocity("A", (0, 1, 0)), "node 'A' has two"),
         (lambda: rod().clamp("A").velocity("A", (1, 0, 0)).check(), "node 'A' is held in x"),
-        (lambda: rod().rod(dx.line((2, 0, 0), (3, 0, 0)), SECTION, name="far", ends=("B", "C")).check(), "node 'B' is at .* on rod 'beam'"),
+        (
+            lambda: rod().rod(dx.line((2, 0, 0), (3, 0, 0)), SECTION, name="far", ends=("B", "C")).check(),
+            "node 'B' is at .* on rod 'beam'",
+        ),
         (lambda: dx.solve_static(rod()), "rod 'beam' .* no support"),
-        (lambda: dx.simulate(dx.Model().rod(LINE, MASSLESS, name="beam"), 1.0, 0.1), "rod 'beam' has no mass"),
+        (
+            lambda: dx.simulate(dx.Model().rod(LINE, MASSLESS, name="beam"), 1.0, 0.1),
+            "rod 'beam' has no mass",
+        ),
         (lambda: dx.solve_static(held(), steps=0), "steps"),
         (lambda: dx.solve_static(held(), steps=1, rotation="euler"), "rotation"),
         (lambda: dx.solve_static(held(), start=dx.solve_static(held(elements=3))), "another mesh"),

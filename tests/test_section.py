@@ -12,7 +12,10 @@ def test_a_circle_by_its_formulas() -> None:
     s = dx.Section.circle(radius=0.01, E=2e11, nu=0.3, rho=7800)
     A, inertia, k = np.pi * 1e-4, np.pi * 1e-8 / 4, 6 * 1.3 / 8.8
     G = 2e11 / 2.6
-    np.testing.assert_allclose(np.diag(s.stiffness), [k * G * A, k * G * A, 2e11 * A, 2e11 * inertia, 2e11 * inertia, 2 * G * inertia])
+    np.testing.assert_allclose(
+        np.diag(s.stiffness),
+        [k * G * A, k * G * A, 2e11 * A, 2e11 * inertia, 2e11 * inertia, 2 * G * inertia],
+    )
     assert s.A_rho == pytest.approx(7800 * A)
     np.testing.assert_allclose(s.I_rho, 7800 * inertia * np.eye(2))
     assert any("shear factor 0.886364" in a for a in s.assumptions)
@@ -35,9 +38,13 @@ def test_torsion_of_a_rectangle(ratio: float, known: float) -> None:
 
 def test_a_thin_tube_tends_to_the_ring_and_a_thick_one_to_the_circle() -> None:
     thin = dx.Section.tube(outer=1.0, wall=1e-6, E=1.0, nu=0.3)
-    assert thin.stiffness[0, 0] / thin.stiffness[2, 2] == pytest.approx(2 * 1.3 / (4 + 3 * 0.3) / 2.6, rel=1e-5)  # Cowper
+    assert thin.stiffness[0, 0] / thin.stiffness[2, 2] == pytest.approx(
+        2 * 1.3 / (4 + 3 * 0.3) / 2.6, rel=1e-5
+    )  # Cowper
     full = dx.Section.tube(outer=1.0, wall=1 - 1e-9, E=1.0, nu=0.3)
-    np.testing.assert_allclose(full.stiffness, dx.Section.circle(radius=1.0, E=1.0, nu=0.3).stiffness, rtol=1e-8)
+    np.testing.assert_allclose(
+        full.stiffness, dx.Section.circle(radius=1.0, E=1.0, nu=0.3).stiffness, rtol=1e-8
+    )
 
 
 def test_a_6x6_in_either_order_is_the_same_section() -> None:
@@ -48,7 +55,9 @@ def test_a_6x6_in_either_order_is_the_same_section() -> None:
     one = dx.Section(stiffness=c, order="shear-axial")
     two = dx.Section(stiffness=c[np.ix_(order, order)], order="axial-first")
     np.testing.assert_allclose(one.stiffness, two.stiffness, atol=1e-15)
-    assert one == dx.Section(stiffness=c, order="shear-axial") and hash(one) == hash(dx.Section(stiffness=c, order="shear-axial"))
+    assert one == dx.Section(stiffness=c, order="shear-axial") and hash(one) == hash(
+        dx.Section(stiffness=c, order="shear-axial")
+    )
 
 
 def test_a_section_cannot_be_changed() -> None:
@@ -77,7 +86,10 @@ GOOD = dict(EA=1.0, GA1=1.0, GA2=1.0, EI1=1.0, EI2=1.0, GJ=1.0)
         (lambda: dx.Section.from_moduli(**{**GOOD, "EI1": 0.0}), "EI1"),
         (lambda: dx.Section.from_moduli(**{**GOOD, "GJ": True}), "GJ"),
         (lambda: dx.Section(stiffness=np.eye(5), order="shear-axial"), "6×6"),
-        (lambda: dx.Section(stiffness=np.diag([1, 1, 1, 1, 1, -1]), order="shear-axial"), "positive definite"),
+        (
+            lambda: dx.Section(stiffness=np.diag([1, 1, 1, 1, 1, -1]), order="shear-axial"),
+            "positive definite",
+        ),
         (lambda: dx.Section(stiffness=np.triu(np.ones((6, 6))), order="shear-axial"), "symmetric"),
         (lambda: dx.Section(stiffness=np.eye(6), order="axial first"), "order"),
         (lambda: dx.Section(stiffness=np.eye(6), I_rho=-np.eye(2), order="shear-axial"), "I_rho"),

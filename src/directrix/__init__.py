@@ -1,15 +1,19 @@
 """directrix: geometrically exact rods and frames that conserve, and prove it on every run."""
 
-from directrix.curves import arc, helix, line, polyline, spline
-from directrix.dynamics import simulate
-from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
-from directrix.formulations import Directors
-from directrix.integrators import EnergyMomentum, Midpoint
-from directrix.model import Model
-from directrix.result import Result, Status
-from directrix.section import Section
-from directrix.statics import solve_static
-from directrix.storage import load
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from directrix.curves import arc, helix, line, polyline, spline
+    from directrix.dynamics import simulate
+    from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
+    from directrix.formulations import Directors
+    from directrix.integrators import EnergyMomentum, Midpoint
+    from directrix.model import Model
+    from directrix.result import Result, Status
+    from directrix.section import Section
+    from directrix.statics import solve_static
+    from directrix.storage import load
 
 __version__ = "0.1.0"
 
@@ -34,3 +38,29 @@ __all__ = [
     "solve_static",
     "spline",
 ]
+
+# Looked up when used: the command line answers --help without loading a compiler.
+_HOME = {
+    "curves": ("arc", "helix", "line", "polyline", "spline"),
+    "dynamics": ("simulate",),
+    "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
+    "formulations": ("Directors",),
+    "integrators": ("EnergyMomentum", "Midpoint"),
+    "model": ("Model",),
+    "result": ("Result", "Status"),
+    "section": ("Section",),
+    "statics": ("solve_static",),
+    "storage": ("load",),
+}
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _HOME.items():
+        if name in names:
+            value = globals()[name] = getattr(import_module(f"directrix.{module}"), name)
+            return value
+    raise AttributeError(f"module 'directrix' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *globals()})

@@ -22,7 +22,9 @@ def number(value: Any, what: str, *, above: float | None = None, least: float | 
     if not np.isfinite(value):
         raise ModelError(f"{what} = {value} is not finite", "give a finite number")
     if above is not None and not value > above:
-        raise ModelError(f"{what} = {value:g} is not greater than {above:g}", f"give a number greater than {above:g}")
+        raise ModelError(
+            f"{what} = {value:g} is not greater than {above:g}", f"give a number greater than {above:g}"
+        )
     if least is not None and not value >= least:
         raise ModelError(f"{what} = {value:g} is less than {least:g}", f"give {least:g} or more")
     return float(value)
@@ -61,11 +63,13 @@ def choice(value: Any, what: str, allowed: Iterable[str]) -> str:
     """One of some words; raises ModelError that names ``what``, the words and the nearest one."""
     allowed = list(allowed)
     if value not in allowed:
-        raise ModelError(f"there is no {what} {value!r}", f"{nearest(str(value), allowed)}use one of {', '.join(allowed)}")
+        raise ModelError(
+            f"there is no {what} {value!r}", f"{nearest(str(value), allowed)}use one of {', '.join(allowed)}"
+        )
     return str(value)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """"did you mean 'x'? " for the nearest known word, or nothing."""
+    """ "did you mean 'x'? " for the nearest known word, or nothing."""
     found = get_close_matches(word, list(known), 1)
     return f"did you mean {found[0]!r}? " if found else ""

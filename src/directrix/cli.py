@@ -9,8 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 from enum import StrEnum
 from functools import wraps
 from pathlib import Path
@@ -21,8 +20,6 @@ import typer
 from directrix.errors import InputError, ModelError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from directrix.result import Result
 
 __all__ = ["app", "main"]
@@ -143,16 +140,19 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
+    from rich.console import Console
+
+    from directrix.console import live, show
     from directrix.runs import RunFolder, can_draw, exit_code
     from directrix.schema import load_case
 
     case = load_case(case_file)
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
-    console = _console(quiet)
+    console = Console(quiet=quiet)
     console.print(f"{case.title}  ({case_file})", style="bold", markup=False, highlight=False)
-    with _progress(console) as progress:
+    with live(console) as progress:
         result = case.run(progress)
-    _show(console, result)
+    show(console, result)
     for path in folder.write(case, result, view=not no_view):
         console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
     if not no_view and not can_draw():
@@ -319,67 +319,3 @@ def _copy(texts: dict[str, str], folder: Path) -> None:
 
 def _say(text: str) -> None:
     print(text, file=sys.stderr)
-
-
-def _console(quiet: bool) -> Console:
-    from rich.console import Console
-
-    return Console(quiet=quiet)
-
-
-@contextmanager
-def _progress(console: Console) -> Generator[Callable[[float, str], None]]:
-    """A live bar with the solver's line; on a pipe nothing moves and nothing is printed."""
-    import time
-
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    columns = (
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.description}", markup=False),
-    )
-    with Progress(*columns, console=console, disable=console.quiet or not console.is_terminal) as bar:
-        task = bar.add_task("", total=1.0)
-        shown = 0.0
-
-        def progress(done: float, text: str) -> None:
-            nonlocal shown
-            # a step may take microseconds, the bar should not
-            if done >= 1.0 or time.monotonic() - shown > 0.1:
-                shown = time.monotonic()
-                bar.update(task, completed=done, description=text)
-
-        yield progress
-
-
-def _show(console: Console, result: Result) -> None:
-    """How it ended, and the audit as a table."""
-    from rich.table import Table
-
-    console.print(
-        str(result.status), style="green" if result.success else "red", markup=False, highlight=False
-    )
-    energy, steps = result.energy, result.iterations
-    table = Table(
-        "law",
-        "deviation",
-        "allowed",
-        "relative to",
-        "",
-        title=f"audit {result.audit.verdict}",
-        title_justify="left",
-    )
-    for entry in result.audit.entries:
-        mark = ("ok" if entry.holds else "FAILED") if entry.claimed else "not claimed"
-        table.add_row(entry.law, f"{entry.value:.2e}", f"{entry.limit:.0e}", entry.relative_to, mark)
-    console.print(table)
-    lines = [
-        f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, "
-        f"total {energy.total[-1]:.9g}; work done on it {energy.work[-1]:.9g}",
-        f"{steps.size} steps, {steps.sum()} Newton iterations, {result.info.get('wall_seconds', 0.0):.2f} s",
-        *(f"note: {note}" for note in result.audit.notes),
-    ]
-    for line in lines:
-        console.print(line, markup=False, highlight=False, soft_wrap=True)

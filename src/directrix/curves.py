@@ -53,7 +53,9 @@ def first_frame(tangent: Array, d1: Vec | None) -> Array:
     normal = wanted - (wanted @ tangent) * tangent
     size = np.linalg.norm(normal)
     if size <= 1e-9 * np.linalg.norm(wanted):
-        raise ModelError(f"d1 = {d1} is along the rod at its start", "give a vector that is not parallel to the axis")
+        raise ModelError(
+            f"d1 = {d1} is along the rod at its start", "give a vector that is not parallel to the axis"
+        )
     normal = normal / size
     return np.stack([normal, np.cross(tangent, normal), tangent], -1)
 
@@ -63,7 +65,9 @@ def _options(directors: str, d1: Any) -> tuple[str, Vec | None]:
     if d1 is not None:
         d1 = vector(d1, "d1")
         if not any(d1):
-            raise ModelError("d1 = (0, 0, 0) has no direction", "give a vector normal to the axis at the start")
+            raise ModelError(
+                "d1 = (0, 0, 0) has no direction", "give a vector normal to the axis at the start"
+            )
     return directors, d1
 
 
@@ -251,7 +255,9 @@ class Spline:
         knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
         spline = CubicSpline(knots, p)
         fine = max(64, 2048 // (len(p) - 1))
-        u = np.concatenate([np.linspace(a, b, fine, endpoint=False) for a, b in zip(knots[:-1], knots[1:], strict=True)])
+        u = np.concatenate(
+            [np.linspace(a, b, fine, endpoint=False) for a, b in zip(knots[:-1], knots[1:], strict=True)]
+        )
         u = np.append(u, knots[-1])
         s = np.concatenate([[0.0], np.cumsum(_arclength(spline, u[:-1], u[1:]))])
         r, slope = spline(u), spline(u, 1)
@@ -320,32 +326,45 @@ def _carried(frame: Array, step: Array, tangent: Array) -> Array:
     return np.stack([d1, np.cross(tangent, d1), tangent], -1)
 
 
-def line(start: ArrayLike, end: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
+def line(
+    start: ArrayLike, end: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None
+) -> Polyline:
     """A straight axis between two points; raises ModelError when they coincide."""
     curve = Polyline(_points([start, end], "line", 2), *_options(directors, d1))
     curve.frames(0.0, 0.0)
     return curve
 
 
-def polyline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
+def polyline(
+    points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None
+) -> Polyline:
     """Straight parts between points (k, 3); every corner gets a node. The frame turns least at a corner.
 
     Raises ModelError for fewer than two points, coincident neighbours or a corner that turns back on itself.
     """
     curve = Polyline(_points(points, "polyline", 2), *_options(directors, d1))
     if not np.all(np.isfinite(curve.frames(0.0, 0.0))) or not np.all(np.isfinite(curve._frames)):  # pyright: ignore[reportPrivateUsage]
-        raise ModelError("a corner of the polyline turns back on itself", "insert a point or end the rod there")
+        raise ModelError(
+            "a corner of the polyline turns back on itself", "insert a point or end the rod there"
+        )
     return curve
 
 
 def arc(
-    start: ArrayLike, through: ArrayLike, end: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None
+    start: ArrayLike,
+    through: ArrayLike,
+    end: ArrayLike,
+    *,
+    directors: DirectorRule = "tangent",
+    d1: ArrayLike | None = None,
 ) -> Arc:
     """Part of a circle through three points; raises ModelError when they lie on a line."""
     a, b, c = _points([start, through, end], "arc", 3)
     u, v = np.subtract(b, a), np.subtract(c, a)
     if np.linalg.norm(np.cross(u, v)) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
-        raise ModelError(f"the points {a}, {b}, {c} of an arc lie on a line", "use line, or move a point off it")
+        raise ModelError(
+            f"the points {a}, {b}, {c} of an arc lie on a line", "use line, or move a point off it"
+        )
     curve = Arc(a, b, c, *_options(directors, d1))
     curve.frames(0.0, 0.0)
     return curve

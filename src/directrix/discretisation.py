@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from directrix.basis import gauss, lagrange
 from directrix.errors import ModelError
 from directrix.formulations.directors import Layout, strains
-from directrix.model import Distributed, Force, Gravity, Model, Rod, RigidVelocity, Vec
+from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Rod, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat, smallest_rotation
 
@@ -100,7 +100,7 @@ class Discretisation:
         return float(np.linalg.norm(np.ptp(self.mesh.r0, axis=0)))
 
     def element_place(self, element: int) -> str:
-        """"rod 'mid', element 3": where an element (numbered through the groups) is."""
+        """ "rod 'mid', element 3": where an element (numbered through the groups) is."""
         for group in self.groups:
             if element < len(group.conn):
                 station = group.station[element]
@@ -161,7 +161,9 @@ def _boundaries(rod: Rod) -> tuple[Array, list[str]]:
     counts = np.maximum(1, np.floor(share).astype(int))
     while counts.sum() < rod.elements:
         counts[np.argmax(share - counts)] += 1
-    s = np.concatenate([np.linspace(a, b, k, endpoint=False) for a, b, k in zip(cuts[:-1], cuts[1:], counts, strict=True)])
+    s = np.concatenate(
+        [np.linspace(a, b, k, endpoint=False) for a, b, k in zip(cuts[:-1], cuts[1:], counts, strict=True)]
+    )
     note = (
         f"rod '{rod.name}': the mesh was fitted to {len(wanted)} kinks or named nodes; "
         f"{counts.sum()} elements between {spans.min() / counts[spans.argmin()]:.4g} and {np.max(spans / counts):.4g} long"
@@ -365,28 +367,54 @@ def _supports(model: Model, names: dict[str, int], n: int, dynamic: bool):
         for part, value in ((slice(0, 3), given.displacement), (slice(3, 6), given.rotation)):
             if value is not None:
                 fixed[k, part] = True
-            what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
+            what = (
+                f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
+            )
             functions.append(None if value is None else _as_function(value, not dynamic, what))
         prescribed.append((k, *functions))
     return fixed, tuple(prescribed)
 
 
-def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:
+def _loads(
+    model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]
+) -> tuple[LoadTerm, ...]:
     terms: list[LoadTerm] = []
     for load in model.loads:
         if isinstance(load, Gravity):
             value = _as_function(load.value, False, "gravity")
             for rod in model.rods:
                 nodes, weights = spread[rod.name]
-                terms.append(LoadTerm(False, nodes, rod.section.A_rho * weights, value, load.constant, callable(load.value), "gravity"))
+                terms.append(
+                    LoadTerm(
+                        False,
+                        nodes,
+                        rod.section.A_rho * weights,
+                        value,
+                        load.constant,
+                        callable(load.value),
+                        "gravity",
+                    )
+                )
         elif isinstance(load, Distributed):
             what = f"the distributed load on rod {load.rod!r}"
             nodes, weights = spread[load.rod]
-            terms.append(LoadTerm(False, nodes, weights, _as_function(load.value, False, what), load.constant, callable(load.value), what))
+            terms.append(
+                LoadTerm(
+                    False,
+                    nodes,
+                    weights,
+                    _as_function(load.value, False, what),
+                    load.constant,
+                    callable(load.value),
+                    what,
+                )
+            )
         else:
             kind = "force" if isinstance(load, Force) else "moment"
             what = f"the {kind} on node {load.node!r}"
             node = np.array([names[load.node]])
             value = _as_function(load.value, False, what)
-            terms.append(LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what))
+            terms.append(
+                LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what)
+            )
     return tuple(terms)

@@ -92,7 +92,11 @@ def simulate(
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
                 failed = outcome.status
-                status = Status(failed.code, f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}", failed.advice)
+                status = Status(
+                    failed.code,
+                    f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}",
+                    failed.advice,
+                )
                 break
             books = newton.finish(x, external, external)
             ledger.add(books)
@@ -119,18 +123,28 @@ def _refuse(formulation: Directors | None, integrator: Integrator, load_rule: st
     if formulation is not None and not isinstance(formulation, Directors):
         raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
     if not hasattr(integrator, "rule"):
-        raise ModelError(f"{integrator!r} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator=")
+        raise ModelError(
+            f"{integrator!r} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator="
+        )
     if load_rule not in ("midpoint", "average"):
         raise ModelError(f"there is no load rule {load_rule!r}", 'use "midpoint" or "average"', "load_rule=")
     if not save_every >= 1 or save_every != int(save_every):
-        raise ModelError(f"save_every = {save_every} is not a positive whole number", "save every 1, 2, … steps", "save_every=")
+        raise ModelError(
+            f"save_every = {save_every} is not a positive whole number",
+            "save every 1, 2, … steps",
+            "save_every=",
+        )
 
 
 def _count(t0: float, t_end: float, dt: float) -> int:
     if not (np.isfinite(dt) and dt > 0.0):
-        raise ModelError(f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt=")
+        raise ModelError(
+            f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt="
+        )
     if not (np.isfinite(t_end) and t_end > t0):
-        raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
+        raise ModelError(
+            f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end="
+        )
     steps = round((t_end - t0) / dt)
     if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
         near = max(1, steps)
@@ -140,4 +154,3 @@ def _count(t0: float, t_end: float, dt: float) -> int:
             "dt=, t_end=",
         )
     return steps
-

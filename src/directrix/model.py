@@ -170,7 +170,10 @@ class Model:
         if any(r.name == name for r in self.rods):
             raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
         if not all(hasattr(curve, a) for a in ("position", "frames", "length", "breaks")):
-            raise ModelError(f"{where}: {curve!r} is not a curve", "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline")
+            raise ModelError(
+                f"{where}: {curve!r} is not a curve",
+                "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline",
+            )
         if not isinstance(section, Section):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ModelError(f"{where}: {section!r} is not a section", "use dx.Section")
         pair: Any = ends if ends is not None else (f"{name}.start", f"{name}.end")
@@ -187,7 +190,8 @@ class Model:
         for node, fraction in dict(nodes or {}).items():
             inner.append(_interior(where, node, fraction, (start, end, *(n for n, _ in inner))))
         return replace(
-            self, rods=(*self.rods, Rod(name, curve, section, (start, end), elements, order, points, tuple(inner)))
+            self,
+            rods=(*self.rods, Rod(name, curve, section, (start, end), elements, order, points, tuple(inner))),
         )
 
     def split(self, rod: str, nodes: Mapping[str, float]) -> Self:
@@ -247,12 +251,17 @@ class Model:
     def moment(self, node: str, m: Any, *, constant: bool = False) -> Self:
         """Spatial moment on a node: a vector or a function of time."""
         node = text(node, "name of a node")
-        return replace(self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant)))
+        return replace(
+            self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant))
+        )
 
     def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
         """Dead force per unit reference length of a rod: a vector or a function of time."""
         rod = text(rod, "name of a rod")
-        return replace(self, loads=(*self.loads, Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), constant)))
+        return replace(
+            self,
+            loads=(*self.loads, Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), constant)),
+        )
 
     def gravity(self, g: Any, *, constant: bool = False) -> Self:
         """Acceleration of gravity: a vector or a function of time."""
@@ -264,8 +273,12 @@ class Model:
         """Initial velocity of this node alone (the shape functions do the rest)."""
         node = text(node, "name of a node")
         if any(isinstance(given, Velocity) and given.node == node for given in self.velocities):
-            raise ModelError(f"node {node!r} has two initial velocities", "give one, their sum if that is meant")
-        new = Velocity(node, vector(v, f"velocity of node {node!r}"), vector(omega, f"omega of node {node!r}"))
+            raise ModelError(
+                f"node {node!r} has two initial velocities", "give one, their sum if that is meant"
+            )
+        new = Velocity(
+            node, vector(v, f"velocity of node {node!r}"), vector(omega, f"omega of node {node!r}")
+        )
         return replace(self, velocities=(*self.velocities, new))
 
     def rigid_velocity(self, v: Any = (0, 0, 0), omega: Any = (0, 0, 0), about: Any = (0, 0, 0)) -> Self:
@@ -312,7 +325,9 @@ class Model:
         for k, (a, p) in enumerate(places):
             for b, q in places[k + 1 :]:
                 if np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
-                    said.append(f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them")
+                    said.append(
+                        f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them"
+                    )
         return tuple(dict.fromkeys(said))
 
     def _rod(self, name: str) -> Rod:
@@ -320,7 +335,9 @@ class Model:
             if rod.name == name:
                 return rod
         names = [r.name for r in self.rods]
-        raise ModelError(f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}")
+        raise ModelError(
+            f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}"
+        )
 
     @staticmethod
     def _size(points: list[Any]) -> float:
@@ -329,7 +346,11 @@ class Model:
     def _places(self) -> dict[str, Any]:
         """Where the named nodes are; refuses one name at two places."""
         found: dict[str, tuple[Any, str]] = {}
-        ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
+        ends = [
+            (rod, name, f)
+            for rod in self.rods
+            for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]
+        ]
         points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
         size = self._size(points)
         for (rod, name, _), point in zip(ends, points, strict=True):
@@ -352,28 +373,38 @@ class Model:
         for what, node in about:
             if node not in places:
                 raise ModelError(
-                    f"there is no node {node!r} for the {what}", f"{nearest(node, places)}nodes are {', '.join(places)}"
+                    f"there is no node {node!r} for the {what}",
+                    f"{nearest(node, places)}nodes are {', '.join(places)}",
                 )
         for load in self.loads:
             if isinstance(load, Distributed):
                 self._rod(load.rod)
-        if any(isinstance(load, Gravity) for load in self.loads) and not any(r.section.A_rho for r in self.rods):
+        if any(isinstance(load, Gravity) for load in self.loads) and not any(
+            r.section.A_rho for r in self.rods
+        ):
             raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
 
     def _values(self) -> None:
         """Functions of time are tried once, so that a wrong one is found before anything runs."""
         tried: list[tuple[str, Any]] = []
         for p in self.prescribed:
-            tried += [(f"prescribed {k} of node {p.node!r}", v) for k, v in (("displacement", p.displacement), ("rotation", p.rotation))]
+            tried += [
+                (f"prescribed {k} of node {p.node!r}", v)
+                for k, v in (("displacement", p.displacement), ("rotation", p.rotation))
+            ]
         for load in self.loads:
-            place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
+            place = (
+                "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
+            )
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):
                 try:
                     out = value(0.0)
                 except Exception as error:  # whatever a user's function raises
-                    raise ModelError(f"{what}: the function fails at t = 0: {error!r}", "it is called with one number") from error
+                    raise ModelError(
+                        f"{what}: the function fails at t = 0: {error!r}", "it is called with one number"
+                    ) from error
                 vector(out, f"{what} at t = 0")
 
     def _held(self) -> dict[str, set[str]]:
@@ -388,7 +419,8 @@ class Model:
             twice = held.setdefault(node, set()) & set(dofs)
             if twice:
                 raise ModelError(
-                    f"node {node!r} is held twice in {', '.join(d for d in DOFS if d in twice)}", "keep one support or prescribed motion"
+                    f"node {node!r} is held twice in {', '.join(d for d in DOFS if d in twice)}",
+                    "keep one support or prescribed motion",
                 )
             held[node] |= set(dofs)
         return held
@@ -421,7 +453,8 @@ def _interior(where: str, node: Any, fraction: Any, taken: tuple[str, ...]) -> t
     good = isinstance(fraction, (int, float)) and not isinstance(fraction, bool)
     if not good or not 0.0 < fraction < 1.0:
         raise ModelError(
-            f"{where}: node {node!r} at {fraction!r} is not inside the rod", "give a fraction of its arclength between 0 and 1"
+            f"{where}: node {node!r} at {fraction!r} is not inside the rod",
+            "give a fraction of its arclength between 0 and 1",
         )
     return node, float(fraction)
 

@@ -39,7 +39,8 @@ class Settings:
     def __post_init__(self) -> None:
         if not 0.0 < self.tolerance < 1.0:
             raise ModelError(
-                f"tolerance = {self.tolerance} is not a relative tolerance", "give a number between 0 and 1, e.g. 1e-9"
+                f"tolerance = {self.tolerance} is not a relative tolerance",
+                "give a number between 0 and 1, e.g. 1e-9",
             )
 
 
@@ -119,9 +120,17 @@ class Newton:
         place = self.disc.mesh.label(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
-            return Status("non_finite", f"a value that is not finite appeared at {place}.{turn}", "Reduce the step, or check sections and loads there.")
+            return Status(
+                "non_finite",
+                f"a value that is not finite appeared at {place}.{turn}",
+                "Reduce the step, or check sections and loads there.",
+            )
         if code == kernel.SINGULAR:
-            return Status("singular", f"the stiffness is singular at {place}.{turn}", "A part can move freely or is at a limit or bifurcation point: add supports or take smaller load steps.")
+            return Status(
+                "singular",
+                f"the stiffness is singular at {place}.{turn}",
+                "A part can move freely or is at a limit or bifurcation point: add supports or take smaller load steps.",
+            )
         return Status(
             "not_converged",
             f"Newton's iteration did not converge in {self.settings.iterations} iterations; the largest imbalance is at {place}.{turn}",
@@ -154,7 +163,9 @@ class Newton:
 
         ``before`` are the loads of the step before: statics books work with the mean, dynamics gives ``external``.
         """
-        kernel.finish(self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains)
+        kernel.finish(
+            self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains
+        )
         flow = self.work.flow
         if self.free:
             flow[5:] += np.cross(self.origin, flow[2:5])

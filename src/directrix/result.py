@@ -66,9 +66,7 @@ class Mesh:
         for rod in self.rods:
             if rod.name == name:
                 return rod
-        raise ModelError(
-            f"there is no rod {name!r}", f"rods: {', '.join(r.name for r in self.rods)}"
-        )
+        raise ModelError(f"there is no rod {name!r}", f"rods: {', '.join(r.name for r in self.rods)}")
 
     def node(self, name: str | int) -> int:
         """Index of a node given by name or index; raises ModelError with the names there are."""

@@ -134,7 +134,7 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
             "exit_code": exit_code(result),
         },
         "input": {"path": str(case.source), "sha256": case.sha256},
-        "result": {"path": saved.name, "sha256": hashlib.sha256(saved.read_bytes()).hexdigest()},
+        "result": {"path": saved.name, "sha256": _sha256(saved)},
         "kind": result.kind,
         "info": {k: v if isinstance(v, (bool, int, float)) else str(v) for k, v in result.info.items()},
         "steps": {
@@ -196,6 +196,11 @@ def _monitor(path: Path, result: Result) -> Path:
         writer.writerow(columns)
         writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
     return path
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _few(names: list[str]) -> str:

@@ -28,7 +28,9 @@ def _matrix(value: Any, what: str, size: int) -> Array:
     except (TypeError, ValueError):
         a = np.empty(0)
     if a.shape != (size, size):
-        raise ModelError(f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers")
+        raise ModelError(
+            f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers"
+        )
     if not np.all(np.isfinite(a)):
         raise ModelError(f"{what} is not finite", "give finite numbers")
     if np.abs(a - a.T).max() > 1e-9 * max(np.abs(a).max(), 1e-300):
@@ -76,11 +78,14 @@ class Section:
         c = _matrix(self.stiffness, "the stiffness of a section", 6)[np.ix_(rows, rows)]
         if np.linalg.eigvalsh(_scaled(c))[0] <= 1e-12:
             raise ModelError(
-                "the stiffness of a section is not positive definite", "every deformation must cost energy: check the signs"
+                "the stiffness of a section is not positive definite",
+                "every deformation must cost energy: check the signs",
             )
         inertia = _matrix(self.I_rho, "I_rho of a section", 2)
         if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
-            raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
+            raise ModelError(
+                "I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA"
+            )
         outline = np.array(self.outline, float).reshape(-1, 2)
         for a in (c, outline):
             a.setflags(write=False)
@@ -97,7 +102,13 @@ class Section:
         return hash(self._key())
 
     def _key(self) -> tuple[object, ...]:
-        return self.stiffness.tobytes(), self.A_rho, self.I_rho.tobytes(), self.outline.tobytes(), self.assumptions
+        return (
+            self.stiffness.tobytes(),
+            self.A_rho,
+            self.I_rho.tobytes(),
+            self.outline.tobytes(),
+            self.assumptions,
+        )
 
     @classmethod
     def from_moduli(
@@ -137,14 +148,22 @@ class Section:
         """A tube of outer radius ``outer``. Shear factor of Cowper (1966), torsion constant ½π(R⁴ − r⁴) (exact)."""
         R, wall = number(outer, "outer", above=0.0), number(wall, "wall", above=0.0)
         if not wall < R:
-            raise ModelError(f"wall = {wall:g} is not less than the outer radius {R:g}", "use Section.circle for a solid rod")
+            raise ModelError(
+                f"wall = {wall:g} is not less than the outer radius {R:g}",
+                "use Section.circle for a solid rod",
+            )
         r = R - wall
         inertia = 0.25 * np.pi * (R**4 - r**4)
         m2 = (r / R) ** 2
         angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
         def factor(nu: float) -> float:
-            return 6.0 * (1.0 + nu) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
+            return (
+                6.0
+                * (1.0 + nu)
+                * (1.0 + m2) ** 2
+                / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
+            )
 
         return cls._shape(
             "tube", np.pi * (R**2 - r**2), inertia, inertia, 2.0 * inertia, "½π(R⁴−r⁴)", factor, "Cowper 1966",
@@ -188,7 +207,9 @@ class Section:
         if nu is not None:
             nu = number(nu, "nu", above=-1.0)
             if nu > 0.5:
-                raise ModelError(f"nu = {nu:g} is greater than 0.5", "give −1 < ν ≤ 0.5, or G= for another material")
+                raise ModelError(
+                    f"nu = {nu:g} is greater than 0.5", "give −1 < ν ≤ 0.5, or G= for another material"
+                )
             G = E / (2.0 * (1.0 + nu))
         G = number(G, "G", above=0.0)
         said: list[str] = []

@@ -20,7 +20,14 @@ def roll_up(turns: float, elements: int, order: int, steps: int = 1) -> dx.Resul
     section = dx.Section.from_moduli(EA=1e4, GA1=1e4, GA2=1e4, EI1=EI, EI2=EI, GJ=EI)
     model = (
         dx.Model(name="roll-up")
-        .rod(dx.line((0, 0, 0), (LENGTH, 0, 0)), section, name="rod", ends=("root", "tip"), elements=elements, order=order)
+        .rod(
+            dx.line((0, 0, 0), (LENGTH, 0, 0)),
+            section,
+            name="rod",
+            ends=("root", "tip"),
+            elements=elements,
+            order=order,
+        )
         .clamp("root")
         .moment("tip", (0, 0, 2 * np.pi * turns * EI / LENGTH))
     )
@@ -45,7 +52,9 @@ def discrete(turns: float, n: int) -> np.ndarray:
         (0.125, 2, (-1.002803513186283, 4.364682735052675, 0.9033391107665127)),
     ],
 )
-def test_linear_elements_give_their_closed_form_from_one_requested_step(turns: float, n: int, known: tuple) -> None:
+def test_linear_elements_give_their_closed_form_from_one_requested_step(
+    turns: float, n: int, known: tuple
+) -> None:
     result = roll_up(turns, n, 1)
     assert result.success and result.audit.passed
     exact = discrete(turns, n)

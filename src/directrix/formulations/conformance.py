@@ -27,9 +27,7 @@ class Conformance(NamedTuple):
 
 def _coordinates(r: Array, rotation: Array) -> list[Any]:
     """Element vectors of many elements at once: r (m, nn, 3) and rotation (m, nn, 3, 3), directors R e_i."""
-    return [
-        [tuple(r[:, a].T)] + [tuple(rotation[:, a, :, i].T) for i in range(3)] for a in range(r.shape[1])
-    ]
+    return [[tuple(r[:, a].T)] + [tuple(rotation[:, a, :, i].T) for i in range(3)] for a in range(r.shape[1])]
 
 
 def _random(rng: np.random.Generator, layout: Layout, count: int) -> tuple[Array, Array]:
@@ -51,7 +49,9 @@ def random_parameters(rng: np.random.Generator, layout: Layout) -> Array:
     return np.concatenate(parts)
 
 
-def check_formulation(layout: Layout, rule: Rule, *, states: int = 1000, largest: float = 1e3, seed: int = 0) -> Conformance:
+def check_formulation(
+    layout: Layout, rule: Rule, *, states: int = 1000, largest: float = 1e3, seed: int = 0
+) -> Conformance:
     """Measure objectivity, the discrete-gradient identity, the tangent by complex step and rigid motions.
 
     ``states`` random elements; rigid rotations up to ``largest`` radians. The tangent is that of the machine code.
@@ -83,7 +83,10 @@ def check_formulation(layout: Layout, rule: Rule, *, states: int = 1000, largest
 
 
 def _mean(a: Any, b: Any) -> Any:
-    return [[[0.5 * (s + t) for s, t in zip(u, v, strict=True)] for u, v in zip(m, n, strict=True)] for m, n in zip(a, b, strict=True)]
+    return [
+        [[0.5 * (s + t) for s, t in zip(u, v, strict=True)] for u, v in zip(m, n, strict=True)]
+        for m, n in zip(a, b, strict=True)
+    ]
 
 
 def _as_rows(q: Any) -> Any:

@@ -17,7 +17,17 @@ from typing import Any
 from directrix.basis import gauss, lagrange
 from directrix.kernels.trace import Graph, Sym, cross, derivative, dot
 
-__all__ = ["Directors", "Layout", "Rule", "audit", "internal", "record_audit", "record_step", "residual", "strains"]
+__all__ = [
+    "Directors",
+    "Layout",
+    "Rule",
+    "audit",
+    "internal",
+    "record_audit",
+    "record_step",
+    "residual",
+    "strains",
+]
 
 Scalar = Any
 Vector = Sequence[Scalar]
@@ -196,7 +206,11 @@ def residual(
     parts = layout.split(p)
     step = [node[0] for node in q0]
     q0 = [[_sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
-    middle = q1 if rule.static else [[_scale(0.5, _add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
+    middle = (
+        q1
+        if rule.static
+        else [[_scale(0.5, _add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
+    )
     total = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
     for g, (w, n, dn) in enumerate(_points(layout)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
@@ -212,7 +226,9 @@ def residual(
         rate = [
             [
                 tuple(dt[1] * (dt[0] * d - 2.0 * c) for d, c in zip(delta, v, strict=True))
-                for delta, v in zip([dr, *(_sub(b, a) for a, b in zip(x0[1:], x1[1:], strict=True))], rates, strict=True)
+                for delta, v in zip(
+                    [dr, *(_sub(b, a) for a, b in zip(x0[1:], x1[1:], strict=True))], rates, strict=True
+                )
             ]
             for dr, x0, x1, rates in zip(step, q0, q1, v0, strict=True)
         ]

@@ -5,12 +5,9 @@
 """
 # pyright: basic
 
-import numpy as np
-
-from directrix.kernels.jit import compiled
-
 from directrix.kernels.call import call_kernel
 from directrix.kernels.compile import LANES
+from directrix.kernels.jit import compiled
 
 __all__ = ["assemble", "books", "internal_forces"]
 

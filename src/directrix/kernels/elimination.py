@@ -17,7 +17,9 @@ THRESHOLD = 0.01
 
 
 def _ir(name: str) -> str:
-    lines = [f"declare double @llvm.fabs.f64(double)\ndefine void @{name}(ptr noalias %row, ptr noalias %before, ptr noalias %rhs, ptr noalias %out) {{"]
+    lines = [
+        f"declare double @llvm.fabs.f64(double)\ndefine void @{name}(ptr noalias %row, ptr noalias %before, ptr noalias %rhs, ptr noalias %out) {{"
+    ]
     count = 0
 
     def put(text: str) -> str:
@@ -48,7 +50,9 @@ def _ir(name: str) -> str:
             product = put(f"fmul contract {VEC} {splat(load('row', 6 * r + k, 'double'))}, {before[k]}")
             acc = product if acc == "zeroinitializer" else put(f"fadd contract {VEC} {acc}, {product}")
         own.append(put(f"fsub {VEC} {d}, {acc}"))
-        last = put(f"shufflevector {VEC} zeroinitializer, {VEC} {acc}, <8 x i32> <i32 0, i32 1, i32 2, i32 3, i32 4, i32 5, i32 14, i32 7>")
+        last = put(
+            f"shufflevector {VEC} zeroinitializer, {VEC} {acc}, <8 x i32> <i32 0, i32 1, i32 2, i32 3, i32 4, i32 5, i32 14, i32 7>"
+        )
         right.append(put(f"fsub {VEC} {u}, {last}"))
     good = "true"
     for k in range(6):
@@ -72,8 +76,12 @@ def _ir(name: str) -> str:
                 own[i] = minus(own[i], f, own[k])
             right[i] = minus(right[i], f, right[k])
     for r in range(6):
-        lines.append(f"store {VEC} {right[r]}, ptr {put(f'getelementptr double, ptr %out, i64 {8 * r}')}, align 8")
-    lines.append(f"store double {put(f'uitofp i1 {good} to double')}, ptr {put('getelementptr double, ptr %out, i64 48')}, align 8")
+        lines.append(
+            f"store {VEC} {right[r]}, ptr {put(f'getelementptr double, ptr %out, i64 {8 * r}')}, align 8"
+        )
+    lines.append(
+        f"store double {put(f'uitofp i1 {good} to double')}, ptr {put('getelementptr double, ptr %out, i64 48')}, align 8"
+    )
     return "\n".join([*lines, "ret void", "}"])
 
 

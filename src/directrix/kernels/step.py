@@ -8,12 +8,22 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from directrix.kernels.jit import compiled
-
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, internal_forces
+from directrix.kernels.jit import compiled
 
-__all__ = ["CONVERGED", "LIMIT", "NON_FINITE", "SINGULAR", "SOLVE", "advance", "assemble", "books", "finish", "newton"]
+__all__ = [
+    "CONVERGED",
+    "LIMIT",
+    "NON_FINITE",
+    "SINGULAR",
+    "SOLVE",
+    "advance",
+    "assemble",
+    "books",
+    "finish",
+    "newton",
+]
 
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
@@ -207,7 +217,9 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
         # R ← R (3 − RᵀR)/2: round-off of many products does not pile up
         for k in range(3):
             for c in range(3):
-                turn[c] = y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
+                turn[c] = (
+                    y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
+                )
             turn[k] -= 1.0
             for i in range(3):
                 s = 0.0

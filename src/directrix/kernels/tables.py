@@ -93,7 +93,13 @@ def tables_for(disc: Discretisation, rule: Rule) -> Tables:
         places.append(_in_lanes(PER_NODE * group.conn))
         par.append(lanes)
         station.append(group.station)
-        for key, n in (("conn", ne * nn), ("par", lanes.size), ("element", ne), ("back", 6 * (nn - 2) * ne), ("at", places[-1].size)):
+        for key, n in (
+            ("conn", ne * nn),
+            ("par", lanes.size),
+            ("element", ne),
+            ("back", 6 * (nn - 2) * ne),
+            ("at", places[-1].size),
+        ):
             at[key] += n
     pattern = disc.pattern
     return Tables(

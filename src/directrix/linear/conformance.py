@@ -20,7 +20,9 @@ class LinearSolver(Protocol):
     def solve(self, blocks: Array, rhs: Array) -> Array | None: ...
 
 
-def check_linear(make: Callable[[Ints, Ints], LinearSolver], *, sizes: tuple[int, ...] = (1, 2, 7, 40), seed: int = 0) -> float:
+def check_linear(
+    make: Callable[[Ints, Ints], LinearSolver], *, sizes: tuple[int, ...] = (1, 2, 7, 40), seed: int = 0
+) -> float:
     """Largest residual |K x − b| / |b| over random connected frames, indefinite and unsymmetric ones among them."""
     rng = np.random.default_rng(seed)
     worst = 0.0

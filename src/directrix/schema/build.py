@@ -14,6 +14,7 @@ from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
 from directrix.model import Model, Vec, VecOrFn
 from directrix.schema import models as m
+from directrix.schema import sections as sec
 from directrix.schema.base import Strict
 from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable
 from directrix.schema.messages import Source
@@ -73,17 +74,17 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         yield ("rigid_velocity",), partial(_rigid_velocity, tables.rigid_velocity)
 
 
-def _section(table: m.Section) -> Section:
+def _section(table: sec.Section) -> Section:
     match table:
-        case m.Circle():
+        case sec.Circle():
             return Section.circle(**_given(table))
-        case m.Rectangle():
+        case sec.Rectangle():
             return Section.rectangle(**_given(table))
-        case m.Tube():
+        case sec.Tube():
             return Section.tube(**_given(table))
-        case m.Moduli():
+        case sec.Moduli():
             return Section.from_moduli(**_given(table))
-        case m.Properties():
+        case sec.Properties():
             shear = table.shear_modulus
             return Section.from_moduli(
                 EA=table.E * table.A,
@@ -96,7 +97,7 @@ def _section(table: m.Section) -> Section:
                 I_rho1=table.rho * table.I2,
                 I_rho2=table.rho * table.I1,
             )
-        case m.Matrix():
+        case sec.Matrix():
             inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
             return Section(np.array(table.stiffness), table.A_rho, inertia, order=table.order)
 

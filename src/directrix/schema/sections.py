@@ -1,0 +1,127 @@
+"""Cross-sections in a case file: a shape, a table of properties, moduli, or a full matrix."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from directrix.schema.base import NotNegative, Positive, Strict, refuse
+
+__all__ = ["Circle", "Material", "Matrix", "Moduli", "Properties", "Rectangle", "Section", "Shape", "Tube"]
+
+Row2 = Annotated[tuple[float, float], Field(strict=False)]
+Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
+
+
+class Material(Strict):
+    """What the sections with a shape need of the material."""
+
+    E: Positive
+    """Young's modulus (force per area)."""
+    nu: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
+    """Poisson's ratio; G = E / (2 (1 + nu)). Either nu or G."""
+    G: Positive | None = None
+    """Shear modulus."""
+    rho: NotNegative = 0.0
+    """Density (mass per volume); needed in dynamics and under gravity."""
+
+    @model_validator(mode="after")
+    def _nu_or_shear_modulus(self) -> Self:
+        if (self.nu is None) == (self.G is None):
+            raise refuse("a material needs nu or G, one of them", "give nu, or G")
+        return self
+
+    @property
+    def shear_modulus(self) -> float:
+        """G, or what nu gives."""
+        return self.G if self.G is not None else self.E / (2.0 * (1.0 + (self.nu or 0.0)))
+
+
+class Shape(Material):
+    """What the sections with a shape compute unless told."""
+
+    shear_factor: Positive | None = None
+    """Shear factor; the formula of the shape unless given."""
+    torsion_constant: Positive | None = None
+    """Torsion constant (length⁴); the formula of the shape unless given."""
+
+
+class Circle(Shape):
+    """Solid circle."""
+
+    kind: Literal["circle"]
+    radius: Positive
+
+
+class Rectangle(Shape):
+    """Solid rectangle."""
+
+    kind: Literal["rectangle"]
+    width: Positive
+    """Size along d1."""
+    height: Positive
+    """Size along d2."""
+
+
+class Tube(Shape):
+    """Round tube."""
+
+    kind: Literal["tube"]
+    outer: Positive
+    """Outer radius."""
+    wall: Positive
+    """Wall thickness."""
+
+
+class Properties(Material):
+    """Area, second moments and material, as tables of profiles give them."""
+
+    kind: Literal["properties"]
+    A: Positive
+    """Area."""
+    I1: Positive
+    """Second moment for bending about d1, ∫ξ2² dA."""
+    I2: Positive
+    """Second moment for bending about d2, ∫ξ1² dA."""
+    J: Positive
+    """Torsion constant."""
+    shear_factor: Positive = 1.0
+    """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
+
+
+class Moduli(Strict):
+    """Principal stiffnesses."""
+
+    kind: Literal["moduli"]
+    EA: Positive
+    GA1: Positive
+    GA2: Positive
+    EI1: Positive
+    """Bending about d1."""
+    EI2: Positive
+    """Bending about d2."""
+    GJ: Positive
+    A_rho: NotNegative = 0.0
+    """Mass per length."""
+    I_rho1: NotNegative = 0.0
+    """∫ρ ξ1² dA, on d1 (belongs with EI2)."""
+    I_rho2: NotNegative = 0.0
+    """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
+
+
+class Matrix(Strict):
+    """Full 6×6 stiffness."""
+
+    kind: Literal["matrix"]
+    stiffness: Annotated[tuple[Row6, Row6, Row6, Row6, Row6, Row6], Field(strict=False)]
+    """Symmetric positive definite, by rows."""
+    order: Literal["shear-axial", "axial-first"]
+    """Of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or the axial one first."""
+    A_rho: NotNegative = 0.0
+    """Mass per length."""
+    I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
+    """∫ρ ξα ξβ dA, 2×2."""
+
+
+Section = Annotated[Circle | Rectangle | Tube | Properties | Moduli | Matrix, Field(discriminator="kind")]
