@@ -52,7 +52,7 @@ def show(console: Console, result: Result) -> None:
         f"audit {result.audit.verdict}",
         f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, "
         f"total {energy.total[-1]:.9g}; work done on it {energy.work[-1]:.9g}",
-        f"{_count(steps.size, 'step')}, {_count(steps.sum(), 'Newton iteration')}, "
+        f"{_count(steps.size, 'step')}, {_count(int(steps.sum()), 'Newton iteration')}, "
         f"{result.info.get('wall_seconds', 0.0):.2f} s",
         *(f"note: {note}" for note in result.audit.notes),
     ]
@@ -61,4 +61,4 @@ def show(console: Console, result: Result) -> None:
 
 
 def _count(n: int, what: str) -> str:
-    return f"{n} {what}{'s' * (n != 1)}"
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"
