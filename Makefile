@@ -20,7 +20,7 @@ help:
 	@echo "make bench      print the speed of this machine"
 
 demo: $(VENV)/.plot
-	@$(RUN) examples/free_flight.py --out $(OUT)
+	@$(VENV)/bin/directrix run src/directrix/cases/free_flight.toml --beside midpoint --out $(OUT)
 
 test: $(VENV)/.dev
 	@$(RUN) -m pytest

@@ -14,9 +14,7 @@ def run(main: Callable[..., Any]) -> None:
     parser = argparse.ArgumentParser(description=inspect.getmodule(main).__doc__.split("\n")[0])
     for name, parameter in inspect.signature(main).parameters.items():
         kind = type(parameter.default) if parameter.default is not None else str
-        parser.add_argument(
-            f"--{name}", type=kind, default=parameter.default, help=f"default {parameter.default}"
-        )
+        parser.add_argument(f"--{name}", type=kind, default=parameter.default, help=f"default {parameter.default}")
     options = vars(parser.parse_args())
     if options.get("out"):
         Path(options["out"]).mkdir(parents=True, exist_ok=True)

@@ -26,9 +26,7 @@ def pulse(t: float) -> np.ndarray:
     return np.full(3, 100.0 * t / 6.0 if t <= 6.0 else 0.0)
 
 
-def main(
-    *, dt: float = 1.0, t_end: float = 20.0, load_rule: str = "average", out: str | None = None
-) -> dx.Result:
+def main(*, dt: float = 1.0, t_end: float = 20.0, load_rule: str = "average", out: str | None = None) -> dx.Result:
     """Run Table III; prints the energies from t = 7 on."""
     E, rho = 2e10, 15e3
     G, A, inertia, J = E / 2.6, 5e-4, 1.2e-6, 5e-7

@@ -61,9 +61,7 @@ def main(*, first_a: float = 0.775, first_b: float = 0.4) -> dict[str, tuple[np.
 
 def test_both_paths_end_in_the_closed_form() -> None:
     found = main()
-    for one, two, exact, printed in zip(
-        *found.values(), closed_form(), (PAPER_CURVATURE, PAPER_TIP), strict=True
-    ):
+    for one, two, exact, printed in zip(*found.values(), closed_form(), (PAPER_CURVATURE, PAPER_TIP), strict=True):
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-13)
         np.testing.assert_allclose(one, exact, rtol=0, atol=1e-12)
         np.testing.assert_allclose(one, printed, rtol=0, atol=1e-5)

@@ -101,9 +101,7 @@ def _mesh(order: int, elements: int, planar: bool, names: tuple[str, str, str]) 
                 stations, k * len(stations), outlines[k],
             )
         )  # fmt: skip
-    r0 = np.concatenate(
-        [corners[:1]] + [corners[k] + rods[k].directors[0, :, 2] * s[1:, None] for k in range(3)]
-    )
+    r0 = np.concatenate([corners[:1]] + [corners[k] + rods[k].directors[0, :, 2] * s[1:, None] for k in range(3)])
     return Mesh(tuple(rods), {"A": 0, "O": steps, "B": 2 * steps, "C": 3 * steps}, r0)
 
 

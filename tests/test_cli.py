@@ -165,9 +165,7 @@ def test_an_earlier_run_is_replaced_whole(monkeypatch: pytest.MonkeyPatch, case:
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "result.vtkhdf", "run.json"])
-def test_a_folder_with_other_files_is_left_alone(
-    monkeypatch: pytest.MonkeyPatch, case: Path, name: str
-) -> None:
+def test_a_folder_with_other_files_is_left_alone(monkeypatch: pytest.MonkeyPatch, case: Path, name: str) -> None:
     pretend(monkeypatch, AssertionError("must not be run"))
     folder = case.with_suffix(".run")
     folder.mkdir()
@@ -267,10 +265,7 @@ def test_plot(finished: Path, what: str) -> None:
 
 @pytest.mark.skipif(not runs.can_draw(), reason="matplotlib is not installed")
 def test_plot_of_a_history(finished: Path, tmp_path: Path) -> None:
-    assert (
-        run("plot", finished, "history", "--node", "B", "--quantity", "v", "--out", tmp_path / "b.svg")[0]
-        == 0
-    )
+    assert run("plot", finished, "history", "--node", "B", "--quantity", "v", "--out", tmp_path / "b.svg")[0] == 0
     assert "<svg" in (tmp_path / "b.svg").read_text()
     for args, says in (
         (["history"], "nodes: A, O, B, C"),
@@ -356,9 +351,7 @@ def test_help_loads_no_compiler() -> None:
 
 def test_doctor() -> None:
     code, out, _ = run("doctor")
-    assert (
-        code == 0 and "passed: energy, linear momentum, angular momentum" in out and "compiled kernels" in out
-    )
+    assert code == 0 and "passed: energy, linear momentum, angular momentum" in out and "compiled kernels" in out
 
 
 def test_free_flight_from_its_file(case: Path) -> None:
@@ -372,9 +365,7 @@ def test_free_flight_from_its_file(case: Path) -> None:
     assert summary["audit"]["passed"] and summary["steps"]["taken"] == 150
 
 
-def test_what_was_computed_before_an_interruption_is_kept(
-    monkeypatch: pytest.MonkeyPatch, case: Path
-) -> None:
+def test_what_was_computed_before_an_interruption_is_kept(monkeypatch: pytest.MonkeyPatch, case: Path) -> None:
     @contextmanager
     def live(_: object) -> Iterator[Callable[[float, str], None]]:
         def progress(done: float, text: str) -> None:

@@ -48,11 +48,7 @@ def tripod(order: int = 1) -> dx.Model:
             elements=3,
             order=order,
         )
-    return (
-        model.velocity("tip0", (0, 0, 2))
-        .velocity("tip1", (1, 0, 0))
-        .velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
-    )
+    return model.velocity("tip0", (0, 0, 2)).velocity("tip1", (1, 0, 0)).velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
 
 
 @pytest.mark.parametrize("integrator", [dx.EnergyMomentum(), dx.Midpoint()])
@@ -66,9 +62,7 @@ def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None
             assert deviation >= 1e-4, f"{law} is not claimed and yet kept: claim it"
 
 
-@pytest.mark.parametrize(
-    "model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name
-)
+@pytest.mark.parametrize("model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name)
 def test_free_flight_conserves_for_every_order_and_solver(model: dx.Model) -> None:
     result = dx.simulate(model, t_end=5.0, dt=0.05)
     assert result.success and result.audit.passed
@@ -120,12 +114,8 @@ def test_going_on_from_a_result_is_the_same_motion() -> None:
 
 def test_a_rod_described_from_its_other_end_moves_the_same() -> None:
     d1 = (0, 1, 0)
-    one = dx.Model().rod(
-        dx.line((0, 0, 0), (3, 0, 0), d1=d1), section(), name="rod", ends=("a", "b"), elements=6
-    )
-    two = dx.Model().rod(
-        dx.line((3, 0, 0), (0, 0, 0), d1=d1), section(), name="rod", ends=("b", "a"), elements=6
-    )
+    one = dx.Model().rod(dx.line((0, 0, 0), (3, 0, 0), d1=d1), section(), name="rod", ends=("a", "b"), elements=6)
+    two = dx.Model().rod(dx.line((3, 0, 0), (0, 0, 0), d1=d1), section(), name="rod", ends=("b", "a"), elements=6)
     tips = []
     for model in (one, two):
         loaded = model.clamp("a").force("b", (1.0, 2.0, 3.0)).velocity("b", (0, 1, 1))

@@ -14,9 +14,7 @@ RULES = {"energy-momentum": Rule(0.5, 0.5), "midpoint": Rule(0.0, 0.0, 1.0), "st
 
 
 @pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize(
-    ("nn", "points", "principal"), [(2, 1, True), (2, 2, False), (3, 2, False), (4, 3, True)]
-)
+@pytest.mark.parametrize(("nn", "points", "principal"), [(2, 1, True), (2, 2, False), (3, 2, False), (4, 3, True)])
 def test_conformance(nn: int, points: int, principal: bool, rule: str) -> None:
     found = check_formulation(Layout(nn, points, principal), RULES[rule])
     assert found.objectivity <= 1e-12
@@ -31,9 +29,7 @@ def test_energy_step_does_exactly_the_work_of_the_stored_energy() -> None:
     layout = Layout(3, 2, False)
     p = random_parameters(rng, layout)
     p = p.tolist()
-    q0, q1 = (
-        [[rng.standard_normal(3).tolist() for _ in range(4)] for _ in range(layout.nn)] for _ in range(2)
-    )
+    q0, q1 = ([[rng.standard_normal(3).tolist() for _ in range(4)] for _ in range(layout.nn)] for _ in range(2))
     stored = [audit(layout, q, q, p)[0] for q in (q0, q1)]
 
     def work(rule: Rule) -> float:
@@ -43,9 +39,7 @@ def test_energy_step_does_exactly_the_work_of_the_stored_energy() -> None:
         step = [[np.subtract(x1[0], x0[0]).tolist(), *x0[1:]] for x0, x1 in zip(q0, held, strict=True)]
         out = np.array(residual(layout, rule, held, step, still, p, [0.0, 0.0])).reshape(-1, 6)
         stored[1] = audit(layout, held, q1, p)[0]
-        return sum(
-            float(np.dot(f[:3], np.subtract(b[0], a[0]))) for f, a, b in zip(out, q0, held, strict=True)
-        )
+        return sum(float(np.dot(f[:3], np.subtract(b[0], a[0]))) for f, a, b in zip(out, q0, held, strict=True))
 
     scale = max(abs(s) for s in stored)
     assert abs(work(RULES["energy-momentum"]) - (stored[1] - stored[0])) <= 1e-13 * scale
@@ -59,13 +53,10 @@ def test_float_trace_and_sympy_agree() -> None:
     floats = residual(layout, rule, q1, q0, v0, p, [3.0, 2.0])
     s = sympy.Symbol("s")
     symbolic = [
-        [[s * c if (i, k) == (0, 0) else c for c in v] for k, v in enumerate(node)]
-        for i, node in enumerate(q1)
+        [[s * c if (i, k) == (0, 0) else c for c in v] for k, v in enumerate(node)] for i, node in enumerate(q1)
     ]
     exact = residual(layout, rule, symbolic, q0, v0, p, [3.0, 2.0])
-    np.testing.assert_allclose(
-        [float(e.subs(s, 1.0)) if hasattr(e, "subs") else e for e in exact], floats, rtol=1e-12
-    )
+    np.testing.assert_allclose([float(e.subs(s, 1.0)) if hasattr(e, "subs") else e for e in exact], floats, rtol=1e-12)
 
 
 def test_recorded_operations_are_merged_and_dead_ones_dropped() -> None:

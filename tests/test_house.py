@@ -112,9 +112,7 @@ def test_nothing_is_left_to_do_in_the_source() -> None:
     marks = re.compile(r"\b(TODO|FIXME|XXX|HACK)\b")
     left = [
         f"{path.relative_to(ROOT)}:{k}"
-        for path in sorted(
-            p for p in SOURCE.rglob("*") if p.suffix in {".py", ".html", ".js", ".css", ".toml"}
-        )
+        for path in sorted(p for p in SOURCE.rglob("*") if p.suffix in {".py", ".html", ".js", ".css", ".toml"})
         for k, line in enumerate(path.read_text("utf-8").splitlines(), 1)
         if marks.search(line)
     ]

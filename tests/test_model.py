@@ -7,9 +7,7 @@ import pytest
 
 import directrix as dx
 
-SECTION = dx.Section.from_moduli(
-    EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1
-)
+SECTION = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1)
 MASSLESS = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
 
@@ -49,18 +47,14 @@ def test_a_junction_at_any_angle_carries_force_and_moment() -> None:
     assert result.success and result.info["solver"] == "chain"
     reaction = result.node("A").reaction[-1]
     np.testing.assert_allclose(reaction[:3], [0, -1e-4, 0], atol=1e-12)
-    np.testing.assert_allclose(
-        reaction[3:], -np.cross([1.5, 0.5, np.sqrt(0.5)], [0, 1e-4, 0]), rtol=1e-3, atol=1e-9
-    )
+    np.testing.assert_allclose(reaction[3:], -np.cross([1.5, 0.5, np.sqrt(0.5)], [0, 1e-4, 0]), rtol=1e-3, atol=1e-9)
 
 
 def test_named_interior_nodes_fall_on_the_mesh_or_move_it_and_say_so() -> None:
     on = dx.solve_static(held(elements=5, nodes={"P": 0.2}), steps=1)
     assert on.mesh.notes == () and on.node("P").r[0] == pytest.approx([0.2, 0, 0])
     off = dx.solve_static(held(elements=5, nodes={"P": 0.33}).split("beam", {"Q": 0.5}), steps=1)
-    assert off.node("P").r[0] == pytest.approx([0.33, 0, 0]) and off.node("Q").r[0] == pytest.approx(
-        [0.5, 0, 0]
-    )
+    assert off.node("P").r[0] == pytest.approx([0.33, 0, 0]) and off.node("Q").r[0] == pytest.approx([0.5, 0, 0])
     assert "rod 'beam': the mesh was fitted" in off.mesh.notes[0]
     assert any("fitted" in note for note in off.audit.notes)
 

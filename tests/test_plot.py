@@ -162,9 +162,7 @@ def test_history_shows_the_node(quantity: Any, label: str) -> None:
 
 def test_reaction_has_moments() -> None:
     result = fake_result("static")
-    assert np.array_equal(
-        curve(Plots(result).history("A", "reaction"), "$M_y$"), result.node("A").reaction[:, 4]
-    )
+    assert np.array_equal(curve(Plots(result).history("A", "reaction"), "$M_y$"), result.node("A").reaction[:, 4])
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,7 @@ vectors = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 
 @given(vectors, st.sampled_from([0.0, 1e-300, 1e-12, 1e-6, 1e-3, 1.0, 3.0, 1e3]))
 def test_exp_is_the_rotation_of_scipy(v: np.ndarray, size: float) -> None:
-    np.testing.assert_allclose(
-        rot.exp(v * size), Rotation.from_rotvec(v * size).as_matrix(), rtol=0, atol=2e-13
-    )
+    np.testing.assert_allclose(rot.exp(v * size), Rotation.from_rotvec(v * size).as_matrix(), rtol=0, atol=2e-13)
     assert rot.is_rotation(rot.exp(v * size), 1e-12)
 
 

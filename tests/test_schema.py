@@ -206,9 +206,7 @@ def test_a_turn_carries_its_node_along(tmp_path: Path) -> None:
     # half way: moved by (0, ¼, 0), then turned by 45° about (2, 0, 0)
     c = np.sqrt(0.5)
     assert callable(root.displacement) and callable(root.rotation) and callable(tip.displacement)
-    np.testing.assert_allclose(
-        root.displacement(0.5), [2 - 2 * c - 0.25 * c, -2 * c + 0.25 * c, 0], atol=1e-15
-    )
+    np.testing.assert_allclose(root.displacement(0.5), [2 - 2 * c - 0.25 * c, -2 * c + 0.25 * c, 0], atol=1e-15)
     np.testing.assert_allclose(tip.displacement(0.5), [-0.25 * c, 0.25 * c, 0], atol=1e-15)
     np.testing.assert_allclose(root.rotation(0.5), [0, 0, np.pi / 4], rtol=1e-15)
 
@@ -431,9 +429,7 @@ def test_pulses() -> None:
     st.sampled_from(["triangle", "half-sine", "rectangle"]),
     st.floats(-9, 9),
 )
-def test_a_pulse_stays_between_zero_and_one(
-    start: float, span: float, at: float, shape: Any, t: float
-) -> None:
+def test_a_pulse_stays_between_zero_and_one(start: float, span: float, at: float, shape: Any, t: float) -> None:
     peak = min(start + span, start + at * span) if shape == "triangle" else None
     pulse = Pulse(start=start, end=start + span, peak=peak, shape=shape)
     assert 0.0 <= pulse(t) <= 1.0

@@ -42,9 +42,7 @@ def test_a_thin_tube_tends_to_the_ring_and_a_thick_one_to_the_circle() -> None:
         2 * 1.3 / (4 + 3 * 0.3) / 2.6, rel=1e-5
     )  # Cowper
     full = dx.Section.tube(outer=1.0, wall=1 - 1e-9, E=1.0, nu=0.3)
-    np.testing.assert_allclose(
-        full.stiffness, dx.Section.circle(radius=1.0, E=1.0, nu=0.3).stiffness, rtol=1e-8
-    )
+    np.testing.assert_allclose(full.stiffness, dx.Section.circle(radius=1.0, E=1.0, nu=0.3).stiffness, rtol=1e-8)
 
 
 def test_a_6x6_in_either_order_is_the_same_section() -> None:

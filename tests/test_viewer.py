@@ -123,9 +123,7 @@ def test_nothing_is_fetched(tmp_path: Path) -> None:
 def test_only_the_script_and_style_of_the_page_may_run(tmp_path: Path) -> None:
     text = page_of(fake_result(names=NASTY, title=NASTY[0]), tmp_path)
     page = Page(text)
-    policy = next(
-        value for name, value in page.attributes if name == "content" and "default-src" in (value or "")
-    )
+    policy = next(value for name, value in page.attributes if name == "content" and "default-src" in (value or ""))
     assert policy is not None
     assert policy.startswith("default-src 'none'; ")
     assert "unsafe" not in policy

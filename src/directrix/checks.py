@@ -22,9 +22,7 @@ def number(value: Any, what: str, *, above: float | None = None, least: float | 
     if not np.isfinite(value):
         raise ModelError(f"{what} = {value} is not finite", "give a finite number")
     if above is not None and not value > above:
-        raise ModelError(
-            f"{what} = {value:g} is not greater than {above:g}", f"give a number greater than {above:g}"
-        )
+        raise ModelError(f"{what} = {value:g} is not greater than {above:g}", f"give a number greater than {above:g}")
     if least is not None and not value >= least:
         raise ModelError(f"{what} = {value:g} is less than {least:g}", f"give {least:g} or more")
     return float(value)

@@ -12,6 +12,7 @@ import traceback
 from collections.abc import Callable
 from enum import StrEnum
 from functools import wraps
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ParamSpec
 
@@ -21,6 +22,7 @@ from directrix.errors import InputError, ModelError
 
 if TYPE_CHECKING:
     from directrix.result import Result
+    from directrix.schema import Case
 
 __all__ = ["app", "main"]
 
@@ -36,12 +38,17 @@ app = typer.Typer(
     epilog="Exit codes: 0 done, 1 our fault, 2 bad input, 3 not converged, 4 audit failed, 130 interrupted",
 )
 
-CaseFile = Annotated[
-    Path, typer.Argument(metavar="CASE", help="A case file, .toml or .json.", show_default=False)
-]
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, .toml or .json.", show_default=False)]
 ResultFile = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.", show_default=False)
 ]
+
+
+class Scheme(StrEnum):
+    """What ``run --beside`` can run."""
+
+    midpoint = "midpoint"
+    energy_momentum = "energy-momentum"
 
 
 class Picture(StrEnum):
@@ -134,9 +141,8 @@ def run(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for what comes out; default CASE.run.")
     ] = None,
-    no_view: Annotated[
-        bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")
-    ] = False,
+    no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
@@ -147,14 +153,25 @@ def run(
     from directrix.schema import load_case
 
     case = load_case(case_file)
+    rival = case.stepped_by(beside.value) if beside else None
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
-    console = Console(quiet=quiet)
-    console.print(f"{case.title}  ({case_file})", style="bold", markup=False, highlight=False)
-    with live(console) as progress:
-        result = case.run(progress)
+    console = Console(quiet=quiet, highlight=False)
+
+    def solve(case: Case, heading: str) -> Result:
+        console.print(heading, style="bold", markup=False, soft_wrap=True)
+        with live(console) as progress:
+            return case.run(progress)
+
+    result = solve(case, f"{case.title}  ({case_file})")
+    # kept before anything is shown: what was computed is not lost to a fault further on
+    written = list(folder.write(case, result))
     show(console, result)
-    for path in folder.write(case, result, view=not no_view):
-        console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+    both: dict[str, Result] = {}
+    if rival is not None:
+        both = {case.scheme: result, rival.scheme: solve(rival, f"\nThe same under {rival.scheme}")}
+        show(console, both[rival.scheme])
+    for path in chain(written, () if no_view else folder.draw(result, both)):
+        console.print(f"wrote {path}", markup=False, soft_wrap=True)
     if not no_view and not can_draw():
         console.print('no pictures: matplotlib is missing; pip install "directrix[plot]"', markup=False)
     code = exit_code(result)
@@ -193,9 +210,7 @@ def plot(
     what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
     node: Annotated[str | None, typer.Option(help="history: the node.")] = None,
     quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
 ) -> None:
     """Draw a picture of a result: the last shape, the motion, energy, momentum, or one node's history."""
     from directrix.runs import draw
@@ -204,9 +219,7 @@ def plot(
     options: dict[str, str] = {}
     if what is Picture.history:
         if node is None:
-            raise ModelError(
-                "a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}"
-            )
+            raise ModelError("a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}")
         options = {"node": node, "quantity": quantity.value}
     elif node is not None:
         raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history")
@@ -218,9 +231,7 @@ def plot(
 @_guarded
 def view(
     result_file: ResultFile,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")] = None,
 ) -> None:
     """Write one HTML page that shows the motion: orbit, time slider, directors; needs no network."""
     result, path = _load(result_file)
@@ -231,9 +242,7 @@ def view(
 @_guarded
 def examples(
     name: Annotated[str | None, typer.Argument(help="Print this example.", show_default=False)] = None,
-    copy: Annotated[
-        Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")
-    ] = None,
+    copy: Annotated[Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")] = None,
 ) -> None:
     """List the cases that come along, print one, or copy them out."""
     import tomllib
@@ -246,11 +255,7 @@ def examples(
     }
     if name is not None and name.removesuffix(".toml") not in cases:
         raise ModelError(f"there is no example {name!r}", f"examples: {', '.join(sorted(cases))}")
-    chosen = (
-        {name.removesuffix(".toml"): cases[name.removesuffix(".toml")]}
-        if name
-        else dict(sorted(cases.items()))
-    )
+    chosen = {name.removesuffix(".toml"): cases[name.removesuffix(".toml")]} if name else dict(sorted(cases.items()))
     if copy is not None:
         _copy(chosen, copy)
     elif name:
@@ -299,9 +304,7 @@ def _load(path: Path) -> tuple[Result, Path]:
 
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
-        raise InputError(
-            "there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file)
-        )
+        raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))
     return load(file), file
 
 

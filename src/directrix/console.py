@@ -17,23 +17,27 @@ __all__ = ["live", "show"]
 
 @contextmanager
 def live(console: Console) -> Generator[Callable[[float, str], None]]:
-    """A live bar with the solver's line; on a pipe nothing moves and nothing is printed."""
+    """A live bar with the solver's line; where nothing can move, a line every five seconds and at the end."""
     columns = (
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
         TextColumn("{task.description}", markup=False),
     )
-    with Progress(*columns, console=console, disable=console.quiet or not console.is_terminal) as bar:
-        task = bar.add_task("", total=1.0)
-        shown = 0.0
+    moves = console.is_terminal and not console.quiet
+    with Progress(*columns, console=console, disable=not moves) as bar:
+        task = bar.add_task("preparing; new kernels are compiled once, some seconds", total=1.0)
+        shown = time.monotonic()
 
         def progress(done: float, text: str) -> None:
             nonlocal shown
-            # a step may take microseconds, the bar should not
-            if done >= 1.0 or time.monotonic() - shown > 0.1:
+            # a step may take microseconds, what is shown should not
+            if done >= 1.0 or time.monotonic() - shown > (0.1 if moves else 5.0):
                 shown = time.monotonic()
-                bar.update(task, completed=done, description=text)
+                if moves:
+                    bar.update(task, completed=done, description=text)
+                else:
+                    console.print(f"{done:4.0%}  {text}", markup=False, soft_wrap=True)
 
         yield progress
 
@@ -41,7 +45,7 @@ def live(console: Console) -> Generator[Callable[[float, str], None]]:
 def show(console: Console, result: Result) -> None:
     """How it ended, and the audit as a table."""
     colour = "green" if result.success else "red"
-    console.print(str(result.status), style=colour, markup=False, highlight=False, soft_wrap=True)
+    console.print(str(result.status), style=colour, markup=False, soft_wrap=True)
     energy, steps = result.energy, result.iterations
     table = Table("law", "deviation", "allowed", "relative to", "")
     for entry in result.audit.entries:
@@ -57,7 +61,7 @@ def show(console: Console, result: Result) -> None:
         *(f"note: {note}" for note in result.audit.notes),
     ]
     for line in lines:
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(line, markup=False, soft_wrap=True)
 
 
 def _count(n: int, what: str) -> str:

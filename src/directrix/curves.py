@@ -53,9 +53,7 @@ def first_frame(tangent: Array, d1: Vec | None) -> Array:
     normal = wanted - (wanted @ tangent) * tangent
     size = np.linalg.norm(normal)
     if size <= 1e-9 * np.linalg.norm(wanted):
-        raise ModelError(
-            f"d1 = {d1} is along the rod at its start", "give a vector that is not parallel to the axis"
-        )
+        raise ModelError(f"d1 = {d1} is along the rod at its start", "give a vector that is not parallel to the axis")
     normal = normal / size
     return np.stack([normal, np.cross(tangent, normal), tangent], -1)
 
@@ -65,9 +63,7 @@ def _options(directors: str, d1: Any) -> tuple[str, Vec | None]:
     if d1 is not None:
         d1 = vector(d1, "d1")
         if not any(d1):
-            raise ModelError(
-                "d1 = (0, 0, 0) has no direction", "give a vector normal to the axis at the start"
-            )
+            raise ModelError("d1 = (0, 0, 0) has no direction", "give a vector normal to the axis at the start")
     return directors, d1
 
 
@@ -335,18 +331,14 @@ def line(
     return curve
 
 
-def polyline(
-    points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None
-) -> Polyline:
+def polyline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
     """Straight parts between points (k, 3); every corner gets a node. The frame turns least at a corner.
 
     Raises ModelError for fewer than two points, coincident neighbours or a corner that turns back on itself.
     """
     curve = Polyline(_points(points, "polyline", 2), *_options(directors, d1))
     if not np.all(np.isfinite(curve.frames(0.0, 0.0))) or not np.all(np.isfinite(curve._frames)):  # pyright: ignore[reportPrivateUsage]
-        raise ModelError(
-            "a corner of the polyline turns back on itself", "insert a point or end the rod there"
-        )
+        raise ModelError("a corner of the polyline turns back on itself", "insert a point or end the rod there")
     return curve
 
 
@@ -362,9 +354,7 @@ def arc(
     a, b, c = _points([start, through, end], "arc", 3)
     u, v = np.subtract(b, a), np.subtract(c, a)
     if np.linalg.norm(np.cross(u, v)) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
-        raise ModelError(
-            f"the points {a}, {b}, {c} of an arc lie on a line", "use line, or move a point off it"
-        )
+        raise ModelError(f"the points {a}, {b}, {c} of an arc lie on a line", "use line, or move a point off it")
     curve = Arc(a, b, c, *_options(directors, d1))
     curve.frames(0.0, 0.0)
     return curve

@@ -277,8 +277,7 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     rowptr = np.cumsum([0, *(len(r) for r in rows)])
     at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
     dest = [
-        (at[ra][ra], at[rb][ra], at[ra][rb], at[rb][rb])
-        for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
+        (at[ra][ra], at[rb][ra], at[ra][rb], at[rb][rb]) for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
     ]
     return Pattern(
         chain,
@@ -367,17 +366,13 @@ def _supports(model: Model, names: dict[str, int], n: int, dynamic: bool):
         for part, value in ((slice(0, 3), given.displacement), (slice(3, 6), given.rotation)):
             if value is not None:
                 fixed[k, part] = True
-            what = (
-                f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
-            )
+            what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
             functions.append(None if value is None else _as_function(value, not dynamic, what))
         prescribed.append((k, *functions))
     return fixed, tuple(prescribed)
 
 
-def _loads(
-    model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]
-) -> tuple[LoadTerm, ...]:
+def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:
     terms: list[LoadTerm] = []
     for load in model.loads:
         if isinstance(load, Gravity):
@@ -414,7 +409,5 @@ def _loads(
             what = f"the {kind} on node {load.node!r}"
             node = np.array([names[load.node]])
             value = _as_function(load.value, False, what)
-            terms.append(
-                LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what)
-            )
+            terms.append(LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what))
     return tuple(terms)

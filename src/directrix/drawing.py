@@ -44,9 +44,7 @@ class Stage:
         span = limits[:, 1] - limits[:, 0]
         span = np.maximum(span, 0.3 * span.max())  # a flat box cannot be read in perspective
         middle = limits.mean(axis=1)
-        for setter, m, w in zip(
-            (self.ax.set_xlim, self.ax.set_ylim, self.ax.set_zlim), middle, span, strict=True
-        ):
+        for setter, m, w in zip((self.ax.set_xlim, self.ax.set_ylim, self.ax.set_zlim), middle, span, strict=True):
             setter(m - 0.5 * w, m + 0.5 * w)
         self.ax.set_box_aspect(span, zoom=0.95)
 
@@ -72,9 +70,7 @@ def stage(result: Result, ax: Any) -> Stage:
     if ax.name == "3d":
         return Stage(ax, (0, 1, 2))
     if plane is None:
-        raise ModelError(
-            "the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")'
-        )
+        raise ModelError("the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")')
     return Stage(ax, plane)
 
 
@@ -143,9 +139,7 @@ def finish(pen: Any, quantity: str, title: str, below: bool) -> Any:
     """Label, title and legend: below the axes where the layout is ours, else where it covers least."""
     pen.set_ylabel(quantity)
     pen.set_title(plain(title), fontsize=11)
-    place: dict[str, Any] = (
-        {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14)} if below else {"loc": "best"}
-    )
+    place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14)} if below else {"loc": "best"}
     entries = len(pen.get_legend_handles_labels()[1])
     pen.legend(frameon=False, fontsize=9, ncols=3 if entries > 4 else entries if entries < 4 else 2, **place)
     return pen
@@ -180,9 +174,7 @@ def need_matplotlib() -> None:
     try:
         import_module("matplotlib")
     except ModuleNotFoundError:
-        raise ModelError(
-            "pictures need matplotlib, which is not installed", 'pip install "directrix[plot]"'
-        ) from None
+        raise ModelError("pictures need matplotlib, which is not installed", 'pip install "directrix[plot]"') from None
 
 
 def pyplot() -> Any:

@@ -138,13 +138,9 @@ def _refuse(formulation: Directors | None, integrator: Integrator, load_rule: st
 
 def _count(t0: float, t_end: float, dt: float) -> int:
     if not (np.isfinite(dt) and dt > 0.0):
-        raise ModelError(
-            f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt="
-        )
+        raise ModelError(f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt=")
     if not (np.isfinite(t_end) and t_end > t0):
-        raise ModelError(
-            f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end="
-        )
+        raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
     steps = round((t_end - t0) / dt)
     if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
         near = max(1, steps)

@@ -251,9 +251,7 @@ class Model:
     def moment(self, node: str, m: Any, *, constant: bool = False) -> Self:
         """Spatial moment on a node: a vector or a function of time."""
         node = text(node, "name of a node")
-        return replace(
-            self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant))
-        )
+        return replace(self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant)))
 
     def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
         """Dead force per unit reference length of a rod: a vector or a function of time."""
@@ -273,12 +271,8 @@ class Model:
         """Initial velocity of this node alone (the shape functions do the rest)."""
         node = text(node, "name of a node")
         if any(isinstance(given, Velocity) and given.node == node for given in self.velocities):
-            raise ModelError(
-                f"node {node!r} has two initial velocities", "give one, their sum if that is meant"
-            )
-        new = Velocity(
-            node, vector(v, f"velocity of node {node!r}"), vector(omega, f"omega of node {node!r}")
-        )
+            raise ModelError(f"node {node!r} has two initial velocities", "give one, their sum if that is meant")
+        new = Velocity(node, vector(v, f"velocity of node {node!r}"), vector(omega, f"omega of node {node!r}"))
         return replace(self, velocities=(*self.velocities, new))
 
     def rigid_velocity(self, v: Any = (0, 0, 0), omega: Any = (0, 0, 0), about: Any = (0, 0, 0)) -> Self:
@@ -335,9 +329,7 @@ class Model:
             if rod.name == name:
                 return rod
         names = [r.name for r in self.rods]
-        raise ModelError(
-            f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}"
-        )
+        raise ModelError(f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}")
 
     @staticmethod
     def _size(points: list[Any]) -> float:
@@ -346,11 +338,7 @@ class Model:
     def _places(self) -> dict[str, Any]:
         """Where the named nodes are; refuses one name at two places."""
         found: dict[str, tuple[Any, str]] = {}
-        ends = [
-            (rod, name, f)
-            for rod in self.rods
-            for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]
-        ]
+        ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
         points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
         size = self._size(points)
         for (rod, name, _), point in zip(ends, points, strict=True):
@@ -379,9 +367,7 @@ class Model:
         for load in self.loads:
             if isinstance(load, Distributed):
                 self._rod(load.rod)
-        if any(isinstance(load, Gravity) for load in self.loads) and not any(
-            r.section.A_rho for r in self.rods
-        ):
+        if any(isinstance(load, Gravity) for load in self.loads) and not any(r.section.A_rho for r in self.rods):
             raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
 
     def _values(self) -> None:
@@ -393,9 +379,7 @@ class Model:
                 for k, v in (("displacement", p.displacement), ("rotation", p.rotation))
             ]
         for load in self.loads:
-            place = (
-                "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
-            )
+            place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):

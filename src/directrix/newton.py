@@ -104,9 +104,7 @@ class Newton:
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
         control = np.array([0, 0, int(moved), 0], np.int64)
         while True:
-            code = kernel.newton(
-                tables, self.work, x, self.globals, external, self.mask, self.options, control
-            )
+            code = kernel.newton(tables, self.work, x, self.globals, external, self.mask, self.options, control)
             if code != kernel.SOLVE:
                 return Outcome(int(control[1]), self._status(code, int(control[3])))
             du = self.sparse.solve(self.work.blocks, self.work.rhs)
@@ -163,9 +161,7 @@ class Newton:
 
         ``before`` are the loads of the step before: statics books work with the mean, dynamics gives ``external``.
         """
-        kernel.finish(
-            self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains
-        )
+        kernel.finish(self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains)
         flow = self.work.flow
         if self.free:
             flow[5:] += np.cross(self.origin, flow[2:5])

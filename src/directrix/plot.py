@@ -44,9 +44,7 @@ class Plots:
         result = self.result
         count = len(result.t)
         if not -count <= at < count or at % 1:
-            raise ModelError(
-                f"there is no saved instant {at}", f"instants are 0 … {count - 1}, or -1 for the last"
-            )
+            raise ModelError(f"there is no saved instant {at}", f"instants are 0 … {count - 1}, or -1 for the last")
         stage = draw.stage(result, ax)
         draw.ghost(stage, result)
         for rod in result.mesh.rods:
@@ -79,9 +77,7 @@ class Plots:
                 stage.line(draw.axis_line(rod, result.r[k]), color=hues(norm(result.t[k])), lw=1.8)
         draw.names(stage, result, int(picked[-1]))
         stage.finish(result.name)
-        stage.ax.figure.colorbar(
-            ScalarMappable(norm, hues), ax=stage.ax, label=draw.clock(result), shrink=0.7, pad=0.1
-        )
+        stage.ax.figure.colorbar(ScalarMappable(norm, hues), ax=stage.ax, label=draw.clock(result), shrink=0.7, pad=0.1)
         return stage.ax
 
     def energy(self, ax: Axes | None = None, residual: bool = False) -> Axes:
@@ -137,9 +133,7 @@ class Plots:
         return draw.finish(pen, name, title, below=ax is None)
 
 
-def compare_energy_momentum(
-    results: Mapping[str, Result], path: str | PathLike[str], snapshots: int = 7
-) -> str:
+def compare_energy_momentum(results: Mapping[str, Result], path: str | PathLike[str], snapshots: int = 7) -> str:
     """Write one picture (PNG, PDF, SVG by its ending): momenta, energy and snapshots; returns its path.
 
     ``results`` maps a label to a dynamic result. The first is the conserving one: it gives the energy's
@@ -149,18 +143,12 @@ def compare_energy_momentum(
     written.
     """
     if not snapshots >= 1 or snapshots % 1:
-        raise ModelError(
-            f"snapshots = {snapshots} is not a positive whole number", "ask for 1, 2, … snapshots"
-        )
+        raise ModelError(f"snapshots = {snapshots} is not a positive whole number", "ask for 1, 2, … snapshots")
     if not results:
-        raise ModelError(
-            "there is no result to compare", "give at least one, such as {'energy-momentum': result}"
-        )
+        raise ModelError("there is no result to compare", "give at least one, such as {'energy-momentum': result}")
     for label, result in results.items():
         if result.kind == "static":
-            raise ModelError(
-                "a static result has no momentum", "give results of simulate", f"results[{label!r}]"
-            )
+            raise ModelError("a static result has no momentum", "give results of simulate", f"results[{label!r}]")
     draw.need_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -175,9 +163,7 @@ def compare_energy_momentum(
         draw.components(pen, first, getattr(first.momentum, history), letter, "-")
         for k, (label, result) in enumerate(others):
             values, colour = getattr(result.momentum, history), OTHERS[k % 3]
-            pen.plot(
-                result.t, values, color=colour, lw=1.6, ls=(0, (3, 4)), label=[draw.plain(label), None, None]
-            )
+            pen.plot(result.t, values, color=colour, lw=1.6, ls=(0, (3, 4)), label=[draw.plain(label), None, None])
             if not result.success:
                 pen.plot(np.full(3, result.t[-1]), values[-1], ls="", marker="x", ms=8, mew=2.2, color=colour)
         draw.finish(pen, title, title, below=True)

@@ -32,9 +32,7 @@ class Recorder:
         self.iterations: list[int] = []
         self.started = time.perf_counter()
 
-    def keep(
-        self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float]
-    ) -> None:
+    def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float]) -> None:
         """Save an instant with positions ``r`` of the state ``x``; ``ledger`` is the work of all kinds and the prescribed part, since the start."""
         n = len(x)
         rotations = [x[:, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]

@@ -6,7 +6,7 @@ import csv
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,8 +23,8 @@ __all__ = ["RunFolder", "exit_code", "summary"]
 Json: TypeAlias = "dict[str, Json] | list[Json] | str | int | float | bool | None"
 
 RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "view.html"
-PICTURES = ("energy", "momentum", "motion")
-OURS = {RESULT, SUMMARY, MONITOR, VIEW, *(f"{p}.png" for p in PICTURES)}
+PICTURES, BESIDE = ("energy", "momentum", "motion"), "comparison.png"
+OURS = {RESULT, SUMMARY, MONITOR, VIEW, BESIDE, *(f"{p}.png" for p in PICTURES)}
 
 
 def exit_code(result: Result) -> int:
@@ -73,24 +73,32 @@ class RunFolder:
             )
         return cls(path)
 
-    def write(self, case: Case, result: Result, view: bool = True) -> Iterator[Path]:
-        """Write everything, the result first; yields each path when its file is there."""
+    def write(self, case: Case, result: Result) -> Iterator[Path]:
+        """Write result, summary and monitor, in place of an earlier run's; yields each path when it is there."""
         for name in OURS - {SUMMARY}:
             (self.path / name).unlink(missing_ok=True)
         saved = Path(result.save(self.path / RESULT))
         (self.path / SUMMARY).write_text(
-            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False)
-            + "\n",
+            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
             encoding="utf-8",
         )
         yield saved
         yield self.path / SUMMARY
         yield _monitor(self.path / MONITOR, result)
-        if view:
-            yield Path(result.view(self.path / VIEW))
-            if can_draw():
-                pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
-                yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
+
+    def draw(self, result: Result, beside: Mapping[str, Result]) -> Iterator[Path]:
+        """Write the animation and, with matplotlib, the pictures; yields each path when it is there.
+
+        ``beside`` (may be empty) maps labels, the result's own first, to what goes into one picture.
+        """
+        yield Path(result.view(self.path / VIEW))
+        if can_draw():
+            pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
+            yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
+            if beside:
+                from directrix.plot import compare_energy_momentum
+
+                yield Path(compare_energy_momentum(beside, self.path / BESIDE))
 
 
 def can_draw() -> bool:
@@ -110,9 +118,7 @@ def draw(result: Result, picture: str, path: Path, **options: Any) -> Path:
     figure = getattr(result.plot, picture)(**options).get_figure()
     formats = figure.canvas.get_supported_filetypes()
     if path.suffix.lstrip(".").lower() not in formats:
-        raise InputError(
-            "is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path)
-        )
+        raise InputError("is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path))
     figure.savefig(path, dpi=150)
     from matplotlib import pyplot
 

@@ -28,9 +28,7 @@ def _matrix(value: Any, what: str, size: int) -> Array:
     except (TypeError, ValueError):
         a = np.empty(0)
     if a.shape != (size, size):
-        raise ModelError(
-            f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers"
-        )
+        raise ModelError(f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers")
     if not np.all(np.isfinite(a)):
         raise ModelError(f"{what} is not finite", "give finite numbers")
     if np.abs(a - a.T).max() > 1e-9 * max(np.abs(a).max(), 1e-300):
@@ -83,9 +81,7 @@ class Section:
             )
         inertia = _matrix(self.I_rho, "I_rho of a section", 2)
         if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
-            raise ModelError(
-                "I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA"
-            )
+            raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
         outline = np.array(self.outline, float).reshape(-1, 2)
         for a in (c, outline):
             a.setflags(write=False)
@@ -158,12 +154,7 @@ class Section:
         angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
         def factor(nu: float) -> float:
-            return (
-                6.0
-                * (1.0 + nu)
-                * (1.0 + m2) ** 2
-                / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
-            )
+            return 6.0 * (1.0 + nu) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
 
         return cls._shape(
             "tube", np.pi * (R**2 - r**2), inertia, inertia, 2.0 * inertia, "½π(R⁴−r⁴)", factor, "Cowper 1966",
@@ -207,9 +198,7 @@ class Section:
         if nu is not None:
             nu = number(nu, "nu", above=-1.0)
             if nu > 0.5:
-                raise ModelError(
-                    f"nu = {nu:g} is greater than 0.5", "give −1 < ν ≤ 0.5, or G= for another material"
-                )
+                raise ModelError(f"nu = {nu:g} is greater than 0.5", "give −1 < ν ≤ 0.5, or G= for another material")
             G = E / (2.0 * (1.0 + nu))
         G = number(G, "G", above=0.0)
         said: list[str] = []

@@ -67,9 +67,7 @@ def solve_static(
         if not value >= 1 or value != int(value):
             raise ModelError(f"{name} = {value} is not a positive whole number", "use 1, 2, …", f"{name}=")
     if rotation not in ("exponential", "cayley"):
-        raise ModelError(
-            f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation="
-        )
+        raise ModelError(f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation=")
     disc = discretise(model, dynamic=False)
     x = initial_state(disc, start, dynamic=False)
     newton = Newton(disc, Rule(static=True), Settings(tolerance, rotation=rotation))

@@ -56,9 +56,7 @@ def test_32_quadratic_elements_meet_the_elastica(a: float) -> None:
     ("GA", "tip", "slope"),
     [(50.0, (-0.06131563, 0.31781389), 0.4584095513), (1.0, (-0.25213659, 1.16709589), 0.3428232123)],
 )
-def test_with_shear_the_closed_form_of_batista_is_met(
-    GA: float, tip: tuple[float, float], slope: float
-) -> None:
+def test_with_shear_the_closed_form_of_batista_is_met(GA: float, tip: tuple[float, float], slope: float) -> None:
     """Data of the source: L = 1, EI = 10, EA = 10⁸, F = 10, GA = 500 and 10; here divided by EI."""
     result = cantilever(1.0, 32, 2, 1e7, GA)
     np.testing.assert_allclose(result.node("tip").displacement[-1, :2], tip, rtol=0, atol=1e-6)
@@ -75,9 +73,7 @@ def exact_axis(a: float, EA: float, GA: float):
         return [c * axial - s * shear, s * axial + c * shear, y[3], -(c * axial - s * shear) * a]
 
     def integrate(k: float):
-        return solve_ivp(
-            slope, (0, 1), [0, 0, 0, k], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True
-        )
+        return solve_ivp(slope, (0, 1), [0, 0, 0, k], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
 
     root = brentq(lambda k: integrate(k).y[3, -1], 0.0, 2.0 * a, xtol=1e-14)
     return integrate(root).sol

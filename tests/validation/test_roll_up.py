@@ -52,9 +52,7 @@ def discrete(turns: float, n: int) -> np.ndarray:
         (0.125, 2, (-1.002803513186283, 4.364682735052675, 0.9033391107665127)),
     ],
 )
-def test_linear_elements_give_their_closed_form_from_one_requested_step(
-    turns: float, n: int, known: tuple
-) -> None:
+def test_linear_elements_give_their_closed_form_from_one_requested_step(turns: float, n: int, known: tuple) -> None:
     result = roll_up(turns, n, 1)
     assert result.success and result.audit.passed
     exact = discrete(turns, n)

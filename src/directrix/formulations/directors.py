@@ -95,9 +95,7 @@ class Layout:
 def place(x: Sequence[Scalar], d0: Sequence[Scalar]) -> tuple[Vector, Vector, Vector, Vector]:
     """(r, d1, d2, d3) of an element end from a node's (r, R e1, R e2, R e3); d_i = R d_i⁰ (paper A17)."""
     columns = [x[3 + 3 * c : 6 + 3 * c] for c in range(3)]
-    directors = [
-        tuple(sum(columns[c][k] * d0[3 * i + c] for c in range(3)) for k in range(3)) for i in range(3)
-    ]
+    directors = [tuple(sum(columns[c][k] * d0[3 * i + c] for c in range(3)) for k in range(3)) for i in range(3)]
     return tuple(x[:3]), directors[0], directors[1], directors[2]
 
 
@@ -144,9 +142,7 @@ def internal(q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, 
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         # ½ Ω_k carries d_j·d_i' − d_i·d_j', and ½ Ω_j carries d_i·d_k' − d_k·d_i'
-        on_d.append(
-            _add(_scale(t[i], slope[0]), _scale(half[j], slope[1 + k]), _scale(-half[k], slope[1 + j]))
-        )
+        on_d.append(_add(_scale(t[i], slope[0]), _scale(half[j], slope[1 + k]), _scale(-half[k], slope[1 + j])))
         on_slope.append(_add(_scale(half[k], d[j]), _scale(-half[j], d[k])))
     return [
         [_scale(float(dn[a]), on_r)]
@@ -264,10 +260,7 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
 
 
 def _coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first: int) -> list[Any]:
-    return [
-        place(x[PER_NODE * a + first : PER_NODE * a + first + 12], d0[9 * a : 9 * a + 9])
-        for a in range(layout.nn)
-    ]
+    return [place(x[PER_NODE * a + first : PER_NODE * a + first + 12], d0[9 * a : 9 * a + 9]) for a in range(layout.nn)]
 
 
 def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym], list[int]]:

@@ -23,9 +23,7 @@ class Measured(NamedTuple):
 
 
 def _flying_rod() -> Model:
-    section = Section.from_moduli(
-        EA=2500, GA1=950, GA2=950, EI1=10, EI2=12, GJ=8, A_rho=2.5, I_rho1=0.012, I_rho2=0.01
-    )
+    section = Section.from_moduli(EA=2500, GA1=950, GA2=950, EI1=10, EI2=12, GJ=8, A_rho=2.5, I_rho1=0.012, I_rho2=0.01)
     return (
         Model(name="flying rod")
         .rod(line((1, 0, 0), (4, 0, 1)), section, name="rod", ends=("a", "b"), elements=6, order=1)

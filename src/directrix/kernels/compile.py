@@ -133,9 +133,7 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: s
             text[index] = emit(index)
         lines.append(f"store {vec} {text[out.index]}, ptr {pointer('%scratch', place, vec)}, align 64")
     for first in range(0, row, lanes):
-        columns = [
-            put(f"load {vec}, ptr {pointer('%scratch', first + k, vec)}, align 64") for k in range(lanes)
-        ]
+        columns = [put(f"load {vec}, ptr {pointer('%scratch', first + k, vec)}, align 64") for k in range(lanes)]
         for lane, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
             lines.append(f"store {vec} {value}, ptr {pointer('%out', lane * row + first)}, align 8")
     return "\n".join([*lines, "ret void", "}"])

@@ -76,9 +76,7 @@ def _ir(name: str) -> str:
                 own[i] = minus(own[i], f, own[k])
             right[i] = minus(right[i], f, right[k])
     for r in range(6):
-        lines.append(
-            f"store {VEC} {right[r]}, ptr {put(f'getelementptr double, ptr %out, i64 {8 * r}')}, align 8"
-        )
+        lines.append(f"store {VEC} {right[r]}, ptr {put(f'getelementptr double, ptr %out, i64 {8 * r}')}, align 8")
     lines.append(
         f"store double {put(f'uitofp i1 {good} to double')}, ptr {put('getelementptr double, ptr %out, i64 48')}, align 8"
     )

@@ -217,9 +217,7 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
         # R ← R (3 − RᵀR)/2: round-off of many products does not pile up
         for k in range(3):
             for c in range(3):
-                turn[c] = (
-                    y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
-                )
+                turn[c] = y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
             turn[k] -= 1.0
             for i in range(3):
                 s = 0.0

@@ -37,9 +37,7 @@ class BlockSparse:
         rows = (6 * block_row[real, None, None] + i).ravel()
         columns = (6 * column[real, None, None] + j).ravel()
         entries = (36 * np.flatnonzero(real)[:, None, None] + 6 * i + j).ravel()
-        probe = csc_matrix(
-            (np.where(rows == columns, 1e3, 1.0), (rows, columns)), shape=(self.size, self.size)
-        )
+        probe = csc_matrix((np.where(rows == columns, 1e3, 1.0), (rows, columns)), shape=(self.size, self.size))
         self._order = np.asarray(_factor(probe, "MMD_AT_PLUS_A").perm_c)
         place = self._order  # perm_c[i] is where row and column i go
         tag = csc_matrix((np.arange(1, len(rows) + 1), (place[rows], place[columns])), shape=probe.shape)

@@ -123,9 +123,7 @@ def _text(value: object) -> str:
         case Scaled():
             return f"{_vector(np.array(value.value))} × {_text(value.factor)}"
         case Rotated():
-            return (
-                f"{_text(value.displacement)}, then turned about {_text(value.about)} by {_text(value.turn)}"
-            )
+            return f"{_text(value.displacement)}, then turned about {_text(value.about)} by {_text(value.turn)}"
         case Table() | VectorTable():
             return f"table of {len(value.t)} values, t = {value.t[0]:g} … {value.t[-1]:g}"
         case Ramp() | Sine() | Pulse():

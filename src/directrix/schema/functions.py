@@ -48,9 +48,7 @@ class Ramp(Strict):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.until <= self.start:
-            raise refuse(
-                f"until = {self.until:g} is not after start = {self.start:g}", "give a later until", "until"
-            )
+            raise refuse(f"until = {self.until:g} is not after start = {self.start:g}", "give a later until", "until")
         return self
 
     def __call__(self, t: float) -> float:
@@ -139,9 +137,7 @@ def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
         raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
     for k, (a, b) in enumerate(pairwise(t), 1):
         if b <= a:
-            raise refuse(
-                f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k
-            )
+            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import json
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from directrix.errors import InputError, ModelError
 from directrix.schema.build import build_model, placed
 from directrix.schema.messages import Source, explain
-from directrix.schema.models import CaseFile, Dynamics, Output, Statics
+from directrix.schema.models import CaseFile, Dynamics, Output, Scheme, Statics
 from directrix.schema.places import json_places, toml_places
 
 if TYPE_CHECKING:
@@ -66,9 +66,7 @@ class Case:
 
         do, save_every = self.analysis, self.output.save_every
         if isinstance(do, Statics):
-            return solve_static(
-                self.model, do.steps, tolerance=do.tolerance, save_every=save_every, progress=progress
-            )
+            return solve_static(self.model, do.steps, tolerance=do.tolerance, save_every=save_every, progress=progress)
         return simulate(
             self.model,
             do.t_end,
@@ -79,6 +77,21 @@ class Case:
             save_every=save_every,
             progress=progress,
         )
+
+    @property
+    def scheme(self) -> str:
+        """Name of the time step; empty for a static case."""
+        return self.analysis.integrator if isinstance(self.analysis, Dynamics) else ""
+
+    def stepped_by(self, integrator: Scheme) -> Case:
+        """The same case under another time step. Raises InputError for a static one, and when it is its own."""
+        if isinstance(self.analysis, Statics):
+            raise InputError(
+                "a static case has no time step", "compare schemes on a case with [dynamics]", str(self.source)
+            )
+        if integrator == self.scheme:
+            raise InputError(f"the case runs under {integrator} already", "name another scheme", str(self.source))
+        return replace(self, analysis=self.analysis.model_copy(update={"integrator": integrator}))
 
 
 def load_case(path: str | PathLike[str]) -> Case:
@@ -97,9 +110,7 @@ def load_case(path: str | PathLike[str]) -> Case:
     model = build_model(tables, title, source)
     analysis = tables.statics or tables.dynamics
     assert analysis is not None  # one of them, says the schema
-    case = Case(
-        title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest()
-    )
+    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
     try:
         case.check()
     except ModelError as error:
@@ -124,9 +135,7 @@ def _read(file: Path) -> bytes:
             "there is no such file", "check the path; directrix examples lists ready cases", str(file)
         ) from None
     except IsADirectoryError:
-        raise InputError(
-            "this is a folder, not a case file", "name the .toml or .json file in it", str(file)
-        ) from None
+        raise InputError("this is a folder, not a case file", "name the .toml or .json file in it", str(file)) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", "check the permissions", str(file)) from None
 

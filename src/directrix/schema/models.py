@@ -106,10 +106,9 @@ class Support(Strict):
     node: Name
     type: Literal["clamp", "pin"] | None = None
     """``clamp`` holds position and rotation, ``pin`` the position."""
-    dofs: (
-        Annotated[tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...], Field(strict=False, min_length=1)]
-        | None
-    ) = None
+    dofs: Annotated[tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...], Field(strict=False, min_length=1)] | None = (
+        None
+    )
     """Components held, in the global frame."""
 
     @model_validator(mode="after")
@@ -156,14 +155,10 @@ class Prescribe(Strict):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.displacement is None and self.rotation is None and self.turn is None:
-            raise refuse(
-                f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn"
-            )
+            raise refuse(f"nothing is prescribed at node {self.node!r}", "give displacement, rotation or turn")
         if self.rotation is not None and self.turn is not None:
             raise refuse("rotation and turn both say how the node turns", "give one of them", "turn")
-        if self.time is not None and not any(
-            isinstance(m, tuple) for m in (self.displacement, self.rotation)
-        ):
+        if self.time is not None and not any(isinstance(m, tuple) for m in (self.displacement, self.rotation)):
             raise refuse(
                 "there is no vector that time could multiply",
                 "leave time out: a table or a turn has its own",
@@ -224,6 +219,9 @@ class RigidVelocity(Strict):
 # --- what to do
 
 
+Scheme = Literal["energy-momentum", "midpoint"]
+
+
 class Statics(Strict):
     """Equilibria while the load factor goes from 0 to 1."""
 
@@ -239,7 +237,7 @@ class Dynamics(Strict):
     t_end: Positive
     dt: Positive
     """Time step; ``t_end`` must be a whole number of them."""
-    integrator: Literal["energy-momentum", "midpoint"] = "energy-momentum"
+    integrator: Scheme = "energy-momentum"
     load_rule: Literal["midpoint", "average"] = "midpoint"
     """A load acts over a step with its value at the middle, or with the mean of its end values."""
     tolerance: Tolerance = 1e-9
@@ -286,13 +284,9 @@ class CaseFile(Strict):
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
-            raise refuse(
-                "the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve"
-            )
+            raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
         if self.statics is not None and self.dynamics is not None:
-            raise refuse(
-                "the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics"
-            )
+            raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
         if self.statics is not None and not self.support and not self.prescribe:
             raise refuse(
                 "nothing is held, and statics needs a support for every part of the model",
@@ -301,7 +295,5 @@ class CaseFile(Strict):
             )
         for key in ("velocity", "rigid_velocity"):
             if self.statics is not None and getattr(self, key):
-                raise refuse(
-                    f"[{key}] means nothing in statics", "remove it, or replace [statics] by [dynamics]", key
-                )
+                raise refuse(f"[{key}] means nothing in statics", "remove it, or replace [statics] by [dynamics]", key)
         return self

@@ -68,9 +68,7 @@ class _Toml:
         while self.here.kind in ("bare", "text"):
             token = self.take()
             quoted = token.kind == "text"
-            parts += (
-                [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
-            )
+            parts += [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
         return parts
 
     def note(self, path: Path, line: int) -> None:

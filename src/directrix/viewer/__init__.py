@@ -89,9 +89,7 @@ def _data(result: Result) -> dict[str, Any]:
             "r0": _packed(result.mesh.r0, "reference positions"),
             "t": _packed(result.t[picked], "times"),
             "r": _packed(result.r[picked], "positions"),
-            "turn": _packed(
-                np.swapaxes(result.R[picked], -1, -2)[..., :2, :], "rotations"
-            ),  # first two columns
+            "turn": _packed(np.swapaxes(result.R[picked], -1, -2)[..., :2, :], "rotations"),  # first two columns
             "strain": _packed(result.strain[picked], "strains"),
             "force": _packed(result.force[picked], "section forces"),
             "kinetic": _packed(energy.kinetic[picked], "kinetic energies"),
