@@ -122,6 +122,24 @@ def test_what_is_written(monkeypatch: pytest.MonkeyPatch, case: Path, tmp_path: 
     assert [float(row["Jz"]) for row in rows] == result.momentum.angular[:, 2].tolist()
 
 
+def test_another_scheme_beside_it(case: Path) -> None:
+    code, out, _ = run("run", case, "--beside", "midpoint")
+    folder = case.with_suffix(".run")
+    assert code == 0 and "The same under midpoint" in out and "not claimed" in out
+    assert (folder / "comparison.png").exists() is runs.can_draw()
+    # what is kept is the run that was asked for
+    assert "EnergyMomentum" in load(folder / "result.vtkhdf").info["integrator"]
+
+
+@pytest.mark.parametrize(("name", "scheme", "part"), [("free_flight", "energy-momentum", "already"),
+                                                      ("bend45", "midpoint", "no time step")])  # fmt: skip
+def test_a_scheme_that_cannot_run_beside_it(tmp_path: Path, name: str, scheme: str, part: str) -> None:
+    assert run("examples", name, "--copy", tmp_path)[0] == 0
+    code, _, err = run("run", tmp_path / f"{name}.toml", "--beside", scheme)
+    assert code == 2 and part in err and f"{name}.toml" in err
+    assert not (tmp_path / f"{name}.run").exists()
+
+
 def test_a_static_run_has_no_momentum_to_draw(monkeypatch: pytest.MonkeyPatch, case: Path) -> None:
     pretend(monkeypatch, fake_result("static"))
     assert run("run", case)[0] == 0

@@ -161,7 +161,8 @@ class DynamicBooks:
 class StaticBooks:
     """Global balance of every equilibrium: loads and reactions add up to no force and no moment.
 
-    The work of the loads along the path is booked by the trapezoidal rule, so the energy ledger closes only as the steps shrink.
+    The work of the loads along the path is booked by the trapezoidal rule, so the energy ledger closes only as the
+    steps shrink.
     """
 
     def __init__(self, disc: Discretisation, first: Books) -> None:

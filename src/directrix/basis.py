@@ -1,4 +1,5 @@
 """Gauss points and Lagrange shape functions on [−1, 1]; nodes equispaced, in order along the element."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 
@@ -27,10 +28,11 @@ def nodes(order: int) -> Array:
 def lagrange(order: int, xi: Array | float) -> tuple[Array, Array]:
     """Shape functions and their derivatives d/dξ at ``xi`` (...,): two arrays (..., order + 1)."""
     x, at = nodes(order), np.asarray(xi, float)[..., None]
-    values, slopes = [], []
+    values: list[Array] = []
+    slopes: list[Array] = []
     for a in range(order + 1):
         others = np.delete(x, a)
-        scale = np.prod(x[a] - others)
+        scale = float(np.prod(x[a] - others))
         factors = at - others
         values.append(np.prod(factors, axis=-1) / scale)
         partial = [np.prod(np.delete(factors, k, axis=-1), axis=-1) for k in range(order)]

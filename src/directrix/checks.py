@@ -1,4 +1,5 @@
 """Arguments that users give: one clear refusal each."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 

@@ -4,11 +4,13 @@ A frame has the columns d1, d2, d3; d3 is the tangent and the frame is rotation-
 the tangent). At the start d1 is the part of ``d1=`` normal to the tangent; its default is the Cartesian axis least
 aligned with the tangent, ties to the lowest index.
 """
+# pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -74,7 +76,7 @@ def _points(points: Any, what: str, least: int) -> tuple[Vec, ...]:
         raise ModelError(f"the points of a {what} are not a list of points", "give [(x, y, z), …]") from error
     if len(given) < least:
         raise ModelError(f"a {what} needs {least} points or more, {len(given)} given", "add points")
-    for k, (a, b) in enumerate(zip(given[:-1], given[1:], strict=True)):
+    for k, (a, b) in enumerate(pairwise(given)):
         if np.linalg.norm(np.subtract(b, a)) <= 1e-12 * max(1.0, np.abs(given).max()):
             raise ModelError(f"points {k} and {k + 1} of the {what} are the same, {a}", "remove one of them")
     return given
@@ -97,7 +99,7 @@ class Polyline:
         parts = np.diff(self.points, axis=0)
         tangents = parts / np.linalg.norm(parts, axis=1, keepdims=True)
         out = [first_frame(tangents[0], self.d1)]
-        for a, b in zip(tangents[:-1], tangents[1:], strict=True):
+        for a, b in pairwise(tangents):
             out.append(smallest_rotation(a, b) @ out[-1])
         return np.array(out)
 
@@ -248,14 +250,12 @@ class Spline:
     def _table(self) -> tuple[Any, Array, Array, Array]:
         """The spline by its own parameter, a fine grid of that, arclength and frame there."""
         p = np.asarray(self.points)
-        knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
+        knots: Array = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1)))
         spline = CubicSpline(knots, p)
         fine = max(64, 2048 // (len(p) - 1))
-        u = np.concatenate(
-            [np.linspace(a, b, fine, endpoint=False) for a, b in zip(knots[:-1], knots[1:], strict=True)]
-        )
-        u = np.append(u, knots[-1])
-        s = np.concatenate([[0.0], np.cumsum(_arclength(spline, u[:-1], u[1:]))])
+        spans = [np.linspace(a, b, fine, endpoint=False) for a, b in pairwise(knots.tolist())]
+        u: Array = np.append(np.concatenate(spans), knots[-1])
+        s: Array = np.append(0.0, np.cumsum(_arclength(spline, u[:-1], u[1:])))
         r, slope = spline(u), spline(u, 1)
         t = slope / np.linalg.norm(slope, axis=1, keepdims=True)
         frames = [first_frame(t[0], self.d1)]

@@ -3,6 +3,7 @@
 The numbering follows the shape of the graph: rods that only ever meet end to end are a chain (block
 tridiagonal); anything else is a general frame (sparse blocks). Interior nodes of elements are condensed.
 """
+# pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false
 
 from __future__ import annotations
 
@@ -22,6 +23,7 @@ from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat, smallest_rotation
 
 Array = NDArray[np.float64]
+Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
 Ints = NDArray[np.int64]
 
 __all__ = ["Discretisation", "Group", "LoadTerm", "Pattern", "discretise"]
@@ -75,7 +77,7 @@ class Discretisation:
     groups: tuple[Group, ...]
     pattern: Pattern
     fixed: NDArray[np.bool_]
-    prescribed: tuple[tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None], ...]
+    prescribed: tuple[Prescribed, ...]
     loads: tuple[LoadTerm, ...]
     stiffness: tuple[Array, ...]  # per rod (6, 6)
 
@@ -161,12 +163,12 @@ def _boundaries(rod: Rod) -> tuple[Array, list[str]]:
     counts = np.maximum(1, np.floor(share).astype(int))
     while counts.sum() < rod.elements:
         counts[np.argmax(share - counts)] += 1
-    s = np.concatenate(
-        [np.linspace(a, b, k, endpoint=False) for a, b, k in zip(cuts[:-1], cuts[1:], counts, strict=True)]
-    )
+    ends = zip(cuts[:-1].tolist(), cuts[1:].tolist(), counts.tolist(), strict=True)
+    s = np.concatenate([np.linspace(a, b, k, endpoint=False) for a, b, k in ends])
+    lengths = spans / counts
     note = (
         f"rod '{rod.name}': the mesh was fitted to {len(wanted)} kinks or named nodes; "
-        f"{counts.sum()} elements between {spans.min() / counts[spans.argmin()]:.4g} and {np.max(spans / counts):.4g} long"
+        f"{counts.sum()} elements between {lengths.min():.4g} and {lengths.max():.4g} long"
     )
     return np.append(s, length), [note]
 
@@ -316,14 +318,14 @@ def discretise(model: Model, *, dynamic: bool) -> Discretisation:
                     names[given[k]] = known
             index[k] = known
         ne, nn = mesh.directors.shape[:2]
-        conn = index[np.arange(ne)[:, None] * rod.order + np.arange(nn)]
-        local = np.arange(ne)[:, None] * rod.order + np.arange(nn)
+        local: Ints = np.arange(ne)[:, None] * rod.order + np.arange(nn)
+        conn = index[local]
         c, inertia = rod.section.stiffness, rod.section.I_rho
         principal = not np.any(c - np.diag(np.diag(c))) and inertia[0, 1] == 0.0
         points = rod.points or rod.order
         layout = Layout(nn, points, principal)
         parameters, weights = _parameters(rod, layout, mesh.r[local], mesh.directors)
-        first = station + points * np.arange(ne)
+        first: Ints = station + points * np.arange(ne)
         by_layout.setdefault(layout, []).append((conn, parameters, first))
         spread[rod.name] = conn.ravel(), weights.ravel()
         shape = lagrange(rod.order, gauss(points)[0])[0]
@@ -354,21 +356,23 @@ def discretise(model: Model, *, dynamic: bool) -> Discretisation:
     )
 
 
-def _supports(model: Model, names: dict[str, int], n: int, dynamic: bool):
+def _supports(
+    model: Model, names: dict[str, int], n: int, dynamic: bool
+) -> tuple[NDArray[np.bool_], tuple[Prescribed, ...]]:
     fixed = np.zeros((n, 6), bool)
     for support in model.supports:
         for dof in support.dofs:
             fixed[names[support.node], ("x", "y", "z", "rx", "ry", "rz").index(dof)] = True
-    prescribed = []
+    prescribed: list[Prescribed] = []
     for given in model.prescribed:
         k = names[given.node]
-        functions = []
+        functions: list[Callable[[float], Array] | None] = []
         for part, value in ((slice(0, 3), given.displacement), (slice(3, 6), given.rotation)):
             if value is not None:
                 fixed[k, part] = True
             what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
             functions.append(None if value is None else _as_function(value, not dynamic, what))
-        prescribed.append((k, *functions))
+        prescribed.append((k, functions[0], functions[1]))
     return fixed, tuple(prescribed)
 
 

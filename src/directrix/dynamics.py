@@ -119,7 +119,7 @@ def simulate(
     return result
 
 
-def _refuse(formulation: Directors | None, integrator: Integrator, load_rule: str, save_every: int) -> None:
+def _refuse(formulation: object, integrator: object, load_rule: str, save_every: int) -> None:
     if formulation is not None and not isinstance(formulation, Directors):
         raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
     if not hasattr(integrator, "rule"):

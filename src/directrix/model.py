@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,7 +117,7 @@ Load = Force | Moment | Distributed | Gravity
 
 
 def _value(value: Any, what: str) -> VecOrFn:
-    return value if callable(value) else vector(value, what)
+    return cast("Callable[[float], ArrayLike]", value) if callable(value) else vector(value, what)
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class Model:
         name
             Its name; "rod1", "rod2", … by default.
         ends
-            Names of its end nodes; equal names at equal places are rigidly joined. Default "<name>.start", "<name>.end".
+            Names of its end nodes; equal names at equal places are rigidly joined. Default "<name>.start", "….end".
         elements
             Number of elements; more where kinks or named nodes ask for it.
         order
@@ -347,7 +347,8 @@ class Model:
                 gap = float(np.linalg.norm(point - other))
                 if gap > SAME_PLACE * size:
                     raise ModelError(
-                        f"node {name!r} is at {_show(other)} on rod {owner!r} and at {_show(point)} on rod {rod.name!r}, {gap:.3g} apart",
+                        f"node {name!r} is at {_show(other)} on rod {owner!r} and at {_show(point)} "
+                        f"on rod {rod.name!r}, {gap:.3g} apart",
                         "give the ends the same position, or different names",
                     )
             found[name] = (point, rod.name)

@@ -80,7 +80,7 @@ class Newton:
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
-        self.origin = np.zeros(3)
+        self.origin: Array = np.zeros(3)
         self.free = not disc.fixed.any()
 
     @cached_property
@@ -127,11 +127,12 @@ class Newton:
             return Status(
                 "singular",
                 f"the stiffness is singular at {place}.{turn}",
-                "A part can move freely or is at a limit or bifurcation point: add supports or take smaller load steps.",
+                "A part can move freely or is at a limit or bifurcation point: add supports or take smaller steps.",
             )
         return Status(
             "not_converged",
-            f"Newton's iteration did not converge in {self.settings.iterations} iterations; the largest imbalance is at {place}.{turn}",
+            f"Newton's iteration did not converge in {self.settings.iterations} iterations; "
+            f"the largest imbalance is at {place}.{turn}",
             "Take smaller steps, or refine the mesh.",
         )
 
@@ -182,7 +183,7 @@ class Newton:
         """
         if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
             grain = 2.0 ** np.floor(np.log2(self.disc.length))
-            shift = np.round(x[0, :3] / grain) * grain
+            shift = np.rint(x[0, :3] / grain) * grain
             x[:, :3] -= shift
             self.origin += shift
 

@@ -27,13 +27,17 @@ class Recorder:
     """Grows one row per saved instant; arrays are copied, so the solver may reuse its own."""
 
     def __init__(self, disc: Discretisation, kind: Literal["static", "dynamic"]) -> None:
-        self.disc, self.kind = disc, kind
+        self.disc = disc
+        self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[tuple[Array, ...]] = []
         self.iterations: list[int] = []
         self.started = time.perf_counter()
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float]) -> None:
-        """Save an instant with positions ``r`` of the state ``x``; ``ledger`` is the work of all kinds and the prescribed part, since the start."""
+        """Save an instant with positions ``r`` of the state ``x``.
+
+        ``ledger`` is the work since the start: all of it, and the part of prescribed motion.
+        """
         n = len(x)
         rotations = [x[:, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
         scalars = np.array([t, factor, *ledger])

@@ -213,7 +213,7 @@ class Result:
     iterations: NDArray[np.int64]
     status: Status
     audit: Audit
-    info: Mapping[str, Any] = field(default_factory=dict)
+    info: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
     @property
     def success(self) -> bool:

@@ -47,7 +47,7 @@ def log(rotation: Array) -> Array:
         row[..., i] = squares[..., 1 + i]
         candidates.append(np.concatenate([skew[..., i : i + 1], row], -1))
     best = np.argmax(squares, -1)[..., None, None]
-    q = np.take_along_axis(np.stack(candidates, -2), best, -2)[..., 0, :]
+    q: Array = np.take_along_axis(np.stack(candidates, -2), best, -2)[..., 0, :]
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
     q = np.where(q[..., :1] < 0.0, -q, q)
     size = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)

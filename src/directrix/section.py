@@ -119,7 +119,7 @@ class Section:
 
     @classmethod
     def circle(
-        cls, *, radius: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        cls, radius: float, *, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
         shear_factor: float | None = None, torsion_constant: float | None = None,
     ) -> Self:  # fmt: skip
         """A solid circle. Shear factor 6(1 + ν)/(7 + 6ν) (Cowper 1966), torsion constant πr⁴/2 (exact)."""
@@ -138,7 +138,7 @@ class Section:
 
     @classmethod
     def tube(
-        cls, *, outer: float, wall: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        cls, outer: float, wall: float, *, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
         shear_factor: float | None = None, torsion_constant: float | None = None,
     ) -> Self:  # fmt: skip
         """A tube of outer radius ``outer``. Shear factor of Cowper (1966), torsion constant ½π(R⁴ − r⁴) (exact)."""
@@ -163,8 +163,8 @@ class Section:
 
     @classmethod
     def rectangle(
-        cls, *, width: float, height: float, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
-        shear_factor: float | None = None, torsion_constant: float | None = None,
+        cls, width: float, height: float, *, E: float, nu: float | None = None, G: float | None = None,
+        rho: float = 0.0, shear_factor: float | None = None, torsion_constant: float | None = None,
     ) -> Self:  # fmt: skip
         """A rectangle, ``width`` along d1 and ``height`` along d2.
 

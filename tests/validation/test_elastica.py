@@ -1,4 +1,4 @@
-"""Cantilever under a dead transverse tip load: the elastica (Mattiasson 1981; elliptic integrals) and its shear-flexible form.
+"""Cantilever under a dead tip load: the elastica (Mattiasson 1981; elliptic integrals) and its shear-flexible form.
 
 a = PL²/EI. Reference values: elliptic integrals, inextensible and unshearable; the rod is given EA = GA = 10⁷ EI/L².
 The convergence is measured on the Simo–Reissner rod itself, integrated with DOP853.

@@ -95,7 +95,7 @@ def _as_rows(q: Any) -> Any:
 
 def _tangent(layout: Layout, rule: Rule, rng: np.random.Generator) -> float:
     """Machine code against the complex step of the same residual."""
-    from directrix.kernels.single import run_step
+    from directrix.kernels.single import run_step  # pyright: ignore[reportUnknownVariableType]
 
     worst = 0.0
     for _ in range(10):

@@ -10,6 +10,7 @@ strain is a quadratic form of it, so the discrete-gradient identity ε(x1) − �
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -85,7 +86,8 @@ class Layout:
 
     def split(self, p: Sequence[Scalar]) -> list[Sequence[Scalar]]:
         """The parameter blocks of ``p``."""
-        parts, first = [], 0
+        parts: list[Sequence[Scalar]] = []
+        first = 0
         for n in self.sizes:
             parts.append(p[first : first + n])
             first += n
@@ -132,13 +134,16 @@ def _add(*vectors: Vector) -> Vector:
     return tuple(sum(v[k] for v in vectors) for k in range(3))
 
 
-def internal(q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]):
+def internal(
+    q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]
+) -> list[list[Vector]]:
     """w·dS/dξ·Bᵀ(q) S at one Gauss point, per node four vectors; B as in the strains above."""
     d, slope = _at_point(q, n, dn)
     t = [w * c for c in s]
     half = [0.5 * c for c in t[3:]]
     on_r = _add(*(_scale(t[i], d[i]) for i in range(3)))
-    on_d, on_slope = [], []
+    on_d: list[Vector] = []
+    on_slope: list[Vector] = []
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         # ½ Ω_k carries d_j·d_i' − d_i·d_j', and ½ Ω_j carries d_i·d_k' − d_k·d_i'
@@ -154,7 +159,7 @@ def internal(q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, 
 def _stress(c: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
     if len(c) == 6:
         return [c[i] * e[i] for i in range(6)]
-    full = {}
+    full: dict[tuple[int, int], Scalar] = {}
     for i in range(6):
         for j in range(i, 6):
             full[i, j] = full[j, i] = c[i * 6 - i * (i - 1) // 2 + j - i]
@@ -170,9 +175,9 @@ def _points(layout: Layout) -> list[tuple[float, Sequence[float], Sequence[float
 def _mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinates) -> list[list[Vector]]:
     """M v for one element, per node four vectors: A_ρ on r, the Euler dyadic on (d1, d2), nothing on d3."""
     m, inertia = parts[4], parts[5]
-    out = []
+    out: list[list[Vector]] = []
     for a in range(layout.nn):
-        weights = []
+        weights: list[Scalar] = []
         for b in range(layout.nn):
             i, j = min(a, b), max(a, b)
             weights.append(m[i * layout.nn - i * (i - 1) // 2 + j - i])
@@ -207,7 +212,7 @@ def residual(
         if rule.static
         else [[_scale(0.5, _add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
     )
-    total = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
+    total: list[list[Vector]] = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
     for g, (w, n, dn) in enumerate(_points(layout)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
         mixed = [0.0] * 6
@@ -230,7 +235,7 @@ def residual(
         ]
         for node, inertia in zip(total, _mass_times(layout, parts, rate), strict=True):
             node[:3] = [_add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
-    out = []
+    out: list[Scalar] = []
     for q, f in zip(middle, total, strict=True):
         moment = _add(*(cross(q[i], f[i]) for i in (1, 2, 3)))
         out += [*f[0], *moment]
@@ -241,7 +246,8 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     """Books of one element: W, T, L (3), J (3), then per pair of neighbouring nodes Σ_i d_i·d_i,
     then per stress point Σ (d_i·d_j − δ_ij)² and the six strains ε."""
     parts = layout.split(p)
-    stored, tail = 0.0, []
+    stored: Scalar = 0.0
+    tail: list[Scalar] = []
     for g, (w, n, dn) in enumerate(_points(layout)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
         e = [a - b for a, b in zip(strains(q, n, dn, inverse_j), e0, strict=True)]
@@ -255,7 +261,7 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     kinetic = 0.5 * sum(dot(m[i], rate[i]) for m, rate in zip(momentum, v, strict=True) for i in range(3))
     linear = _add(*(m[0] for m in momentum))
     angular = _add(*(cross(x[i], m[i]) for m, x in zip(momentum, q, strict=True) for i in range(3)))
-    turn = [sum(dot(a[i], b[i]) for i in (1, 2, 3)) for a, b in zip(q[:-1], q[1:], strict=True)]
+    turn = [sum(dot(a[i], b[i]) for i in (1, 2, 3)) for a, b in itertools.pairwise(q)]
     return [stored, kinetic, *linear, *angular, *turn, *tail]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ def check_integrator(integrator: Integrator) -> Measured:
     """Order from the error at one time under halving of Δt; laws from a free flight with a large step."""
     model = _flying_rod()
     ends = [simulate(model, 0.1, 0.1 / n, integrator=integrator).r[-1] for n in (40, 80, 160, 320)]
-    gaps = [float(np.linalg.norm(b - a)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    gaps = [float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(ends)]
     flight = simulate(model, 5.0, 0.1, integrator=integrator)
     laws = tuple((e.law, e.claimed, e.value) for e in flight.audit.entries)
     return Measured(float(np.log2(gaps[-2] / gaps[-1])), laws)

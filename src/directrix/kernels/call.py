@@ -10,7 +10,7 @@ __all__ = ["call_elimination", "call_kernel"]
 
 @intrinsic
 def call_kernel(typing_context, address, x, at, first_at, p, first_p, g, out):
-    """Run the element kernel at ``address`` on (x, at[first_at:], p[first_p:], g, out); ``at`` is int64, the rest float64.
+    """Run the element kernel at ``address`` on (x, at[first_at:], p[first_p:], g, out): ``at`` int64, the rest float.
 
     The address is a run-time value, so one compiled and cached loop serves every element.
     """

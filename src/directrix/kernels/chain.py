@@ -1,5 +1,5 @@
 """Block tridiagonal systems of 6×6 blocks: a chain of rods solved in one sweep down and one up."""
-# pyright: basic
+# pyright: basic, reportCallIssue=false
 
 import numpy as np
 

@@ -4,8 +4,9 @@ A kernel is ``void k(double *x, int64 *at, double *p, double *g, double *out)``.
 in lane l begin at ``x[at[a][l]]``; element parameters ``p`` are ``[parameter][lane]``; ``g`` are scalars common to
 all lanes; results ``out`` have one row a lane, its length rounded up to whole vectors. Inside, rows are turned into
 lanes and back.
-Multiplications and additions may be contracted to FMA; nothing else is relaxed, so a result does not depend on the lane.
+Multiplications and additions may be contracted to FMA; nothing else is relaxed: no result depends on its lane.
 """
+# pyright: reportUnknownMemberType=false
 
 from __future__ import annotations
 

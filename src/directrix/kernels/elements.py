@@ -3,7 +3,7 @@
 ``tables`` (see :class:`directrix.discretisation.Tables`) are flat arrays for all groups of equal elements;
 ``x`` (n, 40) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each.
 """
-# pyright: basic
+# pyright: basic, reportCallIssue=false
 
 from directrix.kernels.call import call_kernel
 from directrix.kernels.compile import LANES
@@ -158,7 +158,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
 
 @compiled
 def internal_forces(tables, work, x, g):
-    """Residual alone: ``work.internal`` (n, 6), and ``work.scale``, the largest force and moment of any element on a node."""
+    """Residual alone: ``work.internal`` (n, 6); ``work.scale``, the largest force and moment of an element there."""
     internal, scale, out = work.internal, work.scale, work.out
     internal[:] = 0.0
     scale[:] = 0.0

@@ -2,7 +2,9 @@
 # pyright: basic
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from numba import njit
 from numba.core.caching import FunctionCache
@@ -20,8 +22,8 @@ class _Cache(FunctionCache):
         return (*super()._index_key(sig, codegen), _SOURCES)
 
 
-def compiled(function):
-    """``numba.njit`` with a cache that notices a change in any file of this folder; division gives inf, not an error."""
-    dispatcher = njit(error_model="numpy", nogil=True)(function)
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """``numba.njit`` with a cache that notices a change in any file of this folder; 1/0 gives inf, not an error."""
+    dispatcher: Any = njit(error_model="numpy", nogil=True)(function)
     dispatcher._cache = _Cache(function)
     return dispatcher

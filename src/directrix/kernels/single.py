@@ -1,5 +1,5 @@
 """One element through the machine code: for tests and for looking at an element by itself."""
-# pyright: basic
+# pyright: basic, reportCallIssue=false
 
 import numpy as np
 
@@ -19,7 +19,8 @@ def _call(address, x, at, p, g, out):
 def run_step(layout: Layout, rule: Rule, states, parameters, dt):
     """Residual (6nn,) and tangent (6nn, 6nn) of one element, computed in every lane.
 
-    ``states``: (r (nn, 3), R (nn, 3, 3)) of x1, x0 (with Δr for r) and the rate. Raises ArithmeticError if two lanes differ.
+    ``states``: (r (nn, 3), R (nn, 3, 3)) of x1, x0 (with Δr for r) and the rate.
+    Raises ArithmeticError if two lanes differ.
     """
     nn, nd = layout.nn, 6 * layout.nn
     x = np.zeros((nn, PER_NODE))

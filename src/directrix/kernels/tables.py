@@ -1,4 +1,5 @@
 """Flat arrays for the compiled loops, built once per run from a discretisation and a rule."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 
@@ -79,7 +80,7 @@ def tables_for(disc: Discretisation, rule: Rule) -> Tables:
     """Compile or fetch the kernels and lay the arrays out flat."""
     head: list[tuple[int, ...]] = []
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
-    at = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
+    at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
     for group in disc.groups:
         ne, nn = group.conn.shape
         lanes = _in_lanes(group.parameters)

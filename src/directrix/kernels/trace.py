@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 __all__ = ["Graph", "Sym", "cross", "derivative", "dot", "needed"]
 
@@ -98,41 +98,41 @@ class Sym:
     graph: Graph
     index: int
 
-    def _lift(self, other: Sym | Number) -> Sym:
+    def lift(self, other: Sym | Number) -> Sym:
         return other if isinstance(other, Sym) else self.graph.const(other)
 
     def __add__(self, other: Sym | Number) -> Sym:
-        return self.graph.add(self, self._lift(other))
+        return self.graph.add(self, self.lift(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Sym | Number) -> Sym:
-        return self.graph.sub(self, self._lift(other))
+        return self.graph.sub(self, self.lift(other))
 
     def __rsub__(self, other: Number) -> Sym:
-        return self.graph.sub(self._lift(other), self)
+        return self.graph.sub(self.lift(other), self)
 
     def __mul__(self, other: Sym | Number) -> Sym:
-        return self.graph.mul(self, self._lift(other))
+        return self.graph.mul(self, self.lift(other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Sym | Number) -> Sym:
-        return self.graph.div(self, self._lift(other))
+        return self.graph.div(self, self.lift(other))
 
     def __rtruediv__(self, other: Number) -> Sym:
-        return self.graph.div(self._lift(other), self)
+        return self.graph.div(self.lift(other), self)
 
     def __neg__(self) -> Sym:
         return self.graph.sub(self.graph.const(0.0), self)
 
 
-def dot(a: Sequence, b: Sequence):
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """a · b of two 3-tuples of any scalars."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def cross(a: Sequence, b: Sequence) -> tuple:
+def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
     """a × b of two 3-tuples of any scalars."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
@@ -169,7 +169,7 @@ def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Nu
     not name is held fixed. Values named in the seed are not differentiated further.
     """
     zero = graph.const(0.0)
-    d: dict[int, Sym] = {s.index: zero._lift(v) for s, v in seed.items()}
+    d: dict[int, Sym] = {s.index: zero.lift(v) for s, v in seed.items()}
     for index in needed(graph, outputs):
         if index in d:
             continue

@@ -1,4 +1,5 @@
 """Sparse 6×6 blocks through SuperLU, for frames that are not a chain."""
+# pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false, reportUnknownMemberType=false
 
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ class BlockSparse:
         tag = csc_matrix((np.arange(1, len(rows) + 1), (place[rows], place[columns])), shape=probe.shape)
         tag.sort_indices()
         self._indices, self._indptr = tag.indices, tag.indptr
-        self._entries = entries[tag.data - 1]
+        self._entries: Ints = entries[np.asarray(tag.data, np.int64) - 1]
 
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x (n, 6) with K x = rhs, or None when K is singular. ``blocks`` (blocks, 6, 6)."""
