@@ -5,7 +5,9 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-__all__ = ["call_elimination", "call_kernel"]
+__all__ = ["FACTORS", "add_block", "call_elimination", "call_kernel"]
+
+FACTORS = 56  # what the elimination leaves of a row
 
 
 @intrinsic
@@ -30,8 +32,8 @@ def call_kernel(typing_context, address, x, at, first_at, p, first_p, g, out):
 
 
 @intrinsic
-def call_elimination(typing_context, address, row, before, rhs, out):
-    """Run the elimination at ``address`` on (row, before, rhs, out), all float64 arrays."""
+def call_elimination(typing_context, address, blocks, block, rhs, row, factors, factor):
+    """Run the elimination at ``address`` on blocks[block:], the factors before, rhs[row:] and factors[factor:]."""
 
     def codegen(context, builder, signature, args):
         def data(k):
@@ -39,7 +41,32 @@ def call_elimination(typing_context, address, row, before, rhs, out):
 
         double = ir.DoubleType().as_pointer()
         kernel = ir.FunctionType(ir.VoidType(), [double] * 4).as_pointer()
-        builder.call(builder.inttoptr(args[0], kernel), [data(k) for k in range(1, 5)])
+        row, rhs, out = (builder.gep(data(k), [args[k + 1]]) for k in (1, 3, 5))
+        before = builder.gep(out, [ir.Constant(ir.IntType(64), -FACTORS)])
+        builder.call(builder.inttoptr(args[0], kernel), [row, before, rhs, out])
         return context.get_dummy_value()
 
-    return types.none(types.int64, row, before, rhs, out), codegen
+    whole = types.int64
+    return types.none(whole, blocks, whole, rhs, whole, factors, whole), codegen
+
+
+@intrinsic
+def add_block(typing_context, to, at, values, first):
+    """to[at : at + 36] += values[first : first + 36], in vectors: the two arrays do not overlap."""
+
+    def codegen(context, builder, signature, args):
+        def vector(k, lanes, place):
+            array = context.make_array(signature.args[k])(context, builder, args[k]).data
+            start = builder.gep(array, [builder.add(args[k + 1], ir.Constant(ir.IntType(64), place))])
+            return builder.bitcast(start, ir.VectorType(ir.DoubleType(), lanes).as_pointer())
+
+        sums = []
+        for place, lanes in ((0, 8), (8, 8), (16, 8), (24, 8), (32, 4)):
+            target = vector(0, lanes, place)
+            value = builder.load(vector(2, lanes, place), align=8)
+            sums.append((builder.fadd(builder.load(target, align=8), value), target))
+        for value, target in sums:
+            builder.store(value, target, align=8)
+        return context.get_dummy_value()
+
+    return types.none(to, types.int64, values, types.int64), codegen

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from directrix.kernels.call import call_elimination
+from directrix.kernels.call import FACTORS, call_elimination
 from directrix.kernels.jit import compiled
 
 __all__ = ["solve_chain"]
@@ -65,18 +65,22 @@ def solve_chain(eliminate, blocks, rhs, factors, du):
     workspace whose first row is zero, then per row D⁻¹U and D⁻¹b as six rows of eight, and a flag.
     """
     n = rhs.shape[0]
+    flat, right, kept, x = blocks.reshape(-1), rhs.reshape(-1), factors.reshape(-1), du.reshape(-1)
     for i in range(n):
-        row, out = blocks[3 * i : 3 * i + 3], factors[i + 1]
-        call_elimination(eliminate, row, factors[i], rhs[i], out)
-        if out[48] != 1.0 and not _eliminate(row, factors[i], rhs[i], out) > 1e-300:
+        at = FACTORS * (i + 1)
+        call_elimination(eliminate, flat, 108 * i, right, 6 * i, kept, at)
+        if (
+            kept[at + 48] != 1.0
+            and not _eliminate(blocks[3 * i : 3 * i + 3], factors[i], rhs[i], factors[i + 1]) > 1e-300
+        ):
             return i
     for r in range(6):
         du[n - 1, r] = factors[n, 8 * r + 6]
     for i in range(n - 2, -1, -1):
-        out = factors[i + 1]
+        at = FACTORS * (i + 1)
         for r in range(6):
-            s = out[8 * r + 6]
+            s = kept[at + 8 * r + 6]
             for c in range(6):
-                s -= out[8 * r + c] * du[i + 1, c]
-            du[i, r] = s
+                s -= kept[at + 8 * r + c] * x[6 * i + 6 + c]
+            x[6 * i + r] = s
     return -1

@@ -5,7 +5,7 @@
 """
 # pyright: basic, reportCallIssue=false
 
-from directrix.kernels.call import call_kernel
+from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled
 
@@ -16,12 +16,22 @@ STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT = r
 
 
 @compiled
-def _scatter(out, conn, nn, internal):
-    """Forces of one element, the first 6 nn of ``out``, onto its nodes."""
+def _scatter(out, at, conn, first, nn, internal):
+    """Forces of one element, 6 nn from ``out[at]`` on, onto its nodes ``conn[first:]``; all arrays flat.
+
+    Here and below places are counted, not sliced: a slice costs more than what is done with it.
+    """
     for a in range(nn):
-        on = internal[conn[a]]
+        to = 6 * conn[first + a]
         for i in range(6):
-            on[i] += out[6 * a + i]
+            internal[to + i] += out[at + 6 * a + i]
+
+
+@compiled
+def _add_blocks(out, at, dest, first, blocks):
+    """The four blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
+    for b in range(4):
+        add_block(blocks, 36 * dest[first + b], out, at + 36 * b)
 
 
 @compiled
@@ -88,6 +98,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
     internal[:] = 0.0
     blocks[:] = 0.0
     rhs[:] = 0.0
+    flat_internal, flat_blocks, out = internal.reshape(-1), blocks.reshape(-1), work.out
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne = head[NN], head[COUNT]
@@ -97,29 +108,25 @@ def assemble(tables, work, x, g, external, mask, frozen):
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
             parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
-            call_kernel(head[STEP], x, tables.at, places, tables.par, parameters, g, work.out)
+            call_kernel(head[STEP], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
-                e = first + lane
-                out = work.out[lane * stride : (lane + 1) * stride]
-                conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
-                _scatter(out, conn, nn, internal)
-                to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
+                e, from_ = first + lane, lane * stride
+                _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
                 if nn == 2:
-                    for b in range(4):
-                        target, values = blocks[to[b]].reshape(36), out[12 + 36 * b : 48 + 36 * b]
-                        for i in range(36):
-                            target[i] += values[i]
+                    _add_blocks(out, from_ + 12, tables.dest, 4 * (head[ELEMENT] + e), flat_blocks)
                 else:
+                    conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
+                    to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
                     k, r = work.k, work.r
                     for b in range(nn):
                         for a in range(nn):
-                            at = nd + 36 * (nn * b + a)
+                            at = from_ + nd + 36 * (nn * b + a)
                             for i in range(6):
                                 for j in range(6):
                                     k[6 * a + i, 6 * b + j] = out[at + 6 * i + j]
                     for i in range(6, last):
                         node = conn[i // 6]
-                        r[i] = external[node, i % 6] - out[i]
+                        r[i] = external[node, i % 6] - out[from_ + i]
                         if frozen and i % 6 > 2:
                             r[i] = 0.0
                             for j in range(nd):
@@ -161,7 +168,8 @@ def internal_forces(tables, work, x, g):
     """Residual alone: ``work.internal`` (n, 6); ``work.scale``, the largest force and moment of an element there."""
     internal, scale, out = work.internal, work.scale, work.out
     internal[:] = 0.0
-    scale[:] = 0.0
+    force = moment = 0.0
+    flat = internal.reshape(-1)
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne = head[NN], head[COUNT]
@@ -171,11 +179,12 @@ def internal_forces(tables, work, x, g):
             parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
             call_kernel(head[RESIDUAL], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
-                at = head[CONN] + (first + lane) * nn
-                row = out[lane * stride : (lane + 1) * stride]
-                _scatter(row, tables.conn[at : at + nn], nn, internal)
-                for i in range(6 * nn):
-                    scale[i // 3 % 2] = max(scale[i // 3 % 2], abs(row[i]))
+                at = lane * stride
+                _scatter(out, at, tables.conn, head[CONN] + (first + lane) * nn, nn, flat)
+                for a in range(nn):
+                    for i in range(at + 6 * a, at + 6 * a + 3):
+                        force, moment = max(force, abs(out[i])), max(moment, abs(out[i + 3]))
+    scale[0], scale[1] = force, moment
 
 
 @compiled
@@ -198,16 +207,16 @@ def books(tables, work, x, totals, strains):
             call_kernel(head[AUDIT], x, tables.at, places, tables.par, parameters, work.dt, out)
             for lane in range(count):
                 e = first + lane
-                row = out[lane * stride : (lane + 1) * stride]
+                at = lane * stride
                 for c in range(8):
-                    totals[c] += row[c]
+                    totals[c] += out[at + c]
                 for c in range(8, 7 + nn):
-                    if row[c] < totals[8]:
-                        totals[8] = row[c]
+                    if out[at + c] < totals[8]:
+                        totals[8] = out[at + c]
                         totals[9] = head[ELEMENT] + e
-                at = 7 + nn
+                at += 7 + nn
                 for point in range(points):
-                    totals[10] = max(totals[10], row[at])
+                    totals[10] = max(totals[10], out[at])
                     for c in range(6):
-                        strains[tables.station[head[ELEMENT] + e] + point, c] = row[at + 1 + c]
+                        strains[tables.station[head[ELEMENT] + e] + point, c] = out[at + 1 + c]
                     at += 7

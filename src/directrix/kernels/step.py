@@ -184,50 +184,51 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
     at the supports, Σ force (3) and Σ moment about the origin (3) at x½ of loads and supports together;
     ``work.reaction`` (n, 6) the support forces.
     """
-    flow, reaction = work.flow, work.reaction
-    flow[:] = 0.0
-    turn = np.zeros(3)
+    internal, reaction = work.internal, work.reaction
+    done, at_supports = 0.0, 0.0
+    force, moment = np.zeros(3), np.zeros(3)
+    turn, old = np.zeros(3), np.empty(9)
     for node in range(x.shape[0]):
         y = x[node]
         # ϑ of R1 = cay(ϑ) R0: with A = R1 R0ᵀ, ϑ = 2 axial(A − Aᵀ) / (1 + tr A)
-        trace = 1.0
-        turn[:] = 0.0
-        for c in range(3):
-            a, b = y[3 + 3 * c : 6 + 3 * c], y[15 + 3 * c : 18 + 3 * c]
-            trace += a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-            turn[0] += a[2] * b[1] - a[1] * b[2]
-            turn[1] += a[0] * b[2] - a[2] * b[0]
-            turn[2] += a[1] * b[0] - a[0] * b[1]
-        for i in range(3):
-            turn[i] *= 2.0 / trace
+        trace, t0, t1, t2 = 1.0, 0.0, 0.0, 0.0
+        for a in range(3, 12, 3):
+            b = 12 + a
+            trace += y[a] * y[b] + y[a + 1] * y[b + 1] + y[a + 2] * y[b + 2]
+            t0 += y[a + 2] * y[b + 1] - y[a + 1] * y[b + 2]
+            t1 += y[a] * y[b + 2] - y[a + 2] * y[b]
+            t2 += y[a + 1] * y[b] - y[a] * y[b + 1]
+        turn[0], turn[1], turn[2] = 2.0 * t0 / trace, 2.0 * t1 / trace, 2.0 * t2 / trace
         for i in range(6):
             delta = y[12 + i] if i < 3 else turn[i - 3]
             held = 0.0
             if mask[node, i]:
-                held = work.internal[node, i] - external[node, i]
-                flow[1] += (held if rate > 0.0 else 0.5 * (held + reaction[node, i])) * delta
+                held = internal[node, i] - external[node, i]
+                at_supports += (held if rate > 0.0 else 0.5 * (held + reaction[node, i])) * delta
             reaction[node, i] = held
-            flow[0] += 0.5 * (external[node, i] + before[node, i]) * delta
-            flow[2 + i] += external[node, i] + held
-        f = [external[node, i] + reaction[node, i] for i in range(3)]
-        m = [y[i] - 0.5 * y[12 + i] for i in range(3)]
-        flow[5] += m[1] * f[2] - m[2] * f[1]
-        flow[6] += m[2] * f[0] - m[0] * f[2]
-        flow[7] += m[0] * f[1] - m[1] * f[0]
+            done += 0.5 * (external[node, i] + before[node, i]) * delta
+        for i in range(3):
+            # Σ F and Σ (M + r½ × F)
+            j, k = (i + 1) % 3, (i + 2) % 3
+            force[i] += external[node, i] + reaction[node, i]
+            moment[i] += external[node, 3 + i] + reaction[node, 3 + i]
+            moment[i] += (y[j] - 0.5 * y[12 + j]) * (external[node, k] + reaction[node, k])
+            moment[i] -= (y[k] - 0.5 * y[12 + k]) * (external[node, j] + reaction[node, j])
         # R ← R (3 − RᵀR)/2: round-off of many products does not pile up
-        for k in range(3):
-            for c in range(3):
-                turn[c] = y[3 + 3 * k] * y[3 + 3 * c] + y[4 + 3 * k] * y[4 + 3 * c] + y[5 + 3 * k] * y[5 + 3 * c]
-            turn[k] -= 1.0
-            for i in range(3):
-                s = 0.0
-                for c in range(3):
-                    s += y[3 + 3 * c + i] * turn[c]
-                work.rotation[3 * k + i] = y[3 + 3 * k + i] - 0.5 * s
         for i in range(9):
-            y[3 + i] = work.rotation[i]
+            old[i] = y[3 + i]
+        for k in range(0, 9, 3):
+            g0 = old[k] * old[0] + old[k + 1] * old[1] + old[k + 2] * old[2]
+            g1 = old[k] * old[3] + old[k + 1] * old[4] + old[k + 2] * old[5]
+            g2 = old[k] * old[6] + old[k + 1] * old[7] + old[k + 2] * old[8]
+            for i in range(3):
+                own = old[k + i]
+                y[3 + k + i] = own - 0.5 * (g0 * old[i] + g1 * old[3 + i] + g2 * old[6 + i] - own)
         for i in range(12):
             if rate > 0.0:
                 y[24 + i] = rate * (y[12 + i] if i < 3 else y[i] - y[12 + i]) - y[24 + i]
             y[12 + i] = 0.0 if i < 3 else y[i]
+    work.flow[0], work.flow[1] = done, at_supports
+    for i in range(3):
+        work.flow[2 + i], work.flow[5 + i] = force[i], moment[i]
     books(tables, work, x, totals, strains)

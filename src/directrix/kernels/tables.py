@@ -54,7 +54,6 @@ class Work(NamedTuple):
     eliminated: Array
     back: Array
     flow: Array
-    rotation: Array
     dt: Array
 
 
@@ -141,6 +140,5 @@ def work_for(disc: Discretisation) -> Work:
         eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
         back=np.zeros((inside, 13)),
         flow=np.zeros(8),
-        rotation=np.zeros(9),
         dt=np.zeros(2),
     )
