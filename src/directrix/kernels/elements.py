@@ -147,7 +147,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
                             blocks[to[1], i, j] += k[last + i, j]
                             blocks[to[2], i, j] += k[i, last + j]
                             blocks[to[3], i, j] += k[last + i, last + j]
-    for node in range(x.shape[0]):
+    for node in range(external.shape[0]):
         row = tables.row[node]
         if row < 0:
             continue

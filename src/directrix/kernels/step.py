@@ -22,7 +22,9 @@ __all__ = [
     "assemble",
     "books",
     "finish",
+    "move",
     "newton",
+    "spread",
 ]
 
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
@@ -57,14 +59,10 @@ def _rotation(t, cayley, out):
 
 
 @compiled
-def advance(tables, work, x, frozen, cayley, limit):
-    """Add the increments ``work.du`` of the end nodes and of the interior ones; largest displacement and turn.
-
-    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
-    value that is not finite, or −1.
-    """
+def spread(tables, work):
+    """Fill ``work.step`` (n, 6) from the increments ``work.du`` of the end nodes; interior nodes follow."""
     step = work.step
-    for node in range(x.shape[0]):
+    for node in range(step.shape[0]):
         row = tables.row[node]
         if row >= 0:
             for i in range(6):
@@ -81,8 +79,17 @@ def advance(tables, work, x, frozen, cayley, limit):
                 for c in range(6):
                     s -= back[i, c] * step[conn[0], c] + back[i, 6 + c] * step[conn[nn - 1], c]
                 step[conn[1 + i // 6], i % 6] = s
+
+
+@compiled
+def move(step, x, frozen, cayley, limit):
+    """Add the increments ``step`` (n, 6) to the nodes of ``x``; largest displacement and turn.
+
+    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
+    value that is not finite, or −1.
+    """
     moved, turned = 0.0, 0.0
-    for node in range(x.shape[0]):
+    for node in range(step.shape[0]):
         u, t = step[node, :3], step[node, 3:]
         d2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
         t2 = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
@@ -92,7 +99,7 @@ def advance(tables, work, x, frozen, cayley, limit):
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
     q, t = np.empty((3, 3)), np.empty(3)
-    for node in range(x.shape[0]):
+    for node in range(step.shape[0]):
         for i in range(3):
             x[node, i] += factor * step[node, i]
             x[node, 12 + i] += factor * step[node, i]
@@ -106,6 +113,13 @@ def advance(tables, work, x, frozen, cayley, limit):
             for i in range(3):
                 x[node, at + i] = q[i, 0] * a + q[i, 1] * b + q[i, 2] * d
     return moved, turned, -1
+
+
+@compiled
+def advance(tables, work, x, frozen, cayley, limit):
+    """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
+    spread(tables, work)
+    return move(work.step, x, frozen, cayley, limit)
 
 
 @compiled
@@ -188,7 +202,7 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
     done, at_supports = 0.0, 0.0
     force, moment = np.zeros(3), np.zeros(3)
     turn, old = np.zeros(3), np.empty(9)
-    for node in range(x.shape[0]):
+    for node in range(external.shape[0]):
         y = x[node]
         # ϑ of R1 = cay(ϑ) R0: with A = R1 R0ᵀ, ϑ = 2 axial(A − Aᵀ) / (1 + tr A)
         trace, t0, t1, t2 = 1.0, 0.0, 0.0, 0.0
