@@ -259,8 +259,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     for i in range(3):
         work.flow[2 + i], work.flow[5 + i] = force[i], moment[i]
     damped = tables.damping.shape[0] > 0
-    if damped:
-        work.before[:] = strains
+    for point in range(strains.shape[0] if damped else 0):
+        for i in range(6):
+            work.before[point, i] = strains[point, i]
     books(tables, work, x, totals, strains)
     if damped:
         lost += _dissipated(tables.damping, work.before, strains)

@@ -257,7 +257,7 @@ class Dynamics(Strict):
     integrator: Scheme = "energy-momentum"
     chi_stress: NotNegative | None = None
     """energy-dissipating: what a step takes from changes of strain; 0.5 unless given."""
-    chi_velocity: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
+    chi_velocity: Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)] | None = None
     """energy-dissipating: what a step takes from changes of speed, on a lumped mass; 0 unless given."""
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     """generalized-alpha: spectral radius at infinity; 0.8 unless given."""
