@@ -22,6 +22,7 @@ __all__ = [
     "assemble",
     "books",
     "finish",
+    "imbalance",
     "move",
     "newton",
     "spread",
@@ -123,7 +124,7 @@ def advance(tables, work, x, frozen, cayley, limit):
 
 
 @compiled
-def _imbalance(work, external, mask, tolerance, floor):
+def imbalance(work, external, mask, tolerance, floor):
     """Largest unbalanced force or moment over what is allowed, and its node."""
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(external.shape[0]):
@@ -154,7 +155,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         if control[PHASE] == 0:
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g)
-                control[BLAME] = _imbalance(work, external, mask, tolerance, floor)[1]
+                control[BLAME] = imbalance(work, external, mask, tolerance, floor)[1]
                 return LIMIT
             control[ITERATION] += 1
             bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
@@ -181,7 +182,7 @@ def newton(tables, work, x, g, external, mask, options, control):
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g)
-            worst, at = _imbalance(work, external, mask, tolerance, floor)
+            worst, at = imbalance(work, external, mask, tolerance, floor)
             control[BLAME] = at
             if worst <= 1.0:
                 return CONVERGED
