@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from directrix.controls import ArcLength, DisplacementControl
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
@@ -18,9 +19,11 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ArcLength",
     "ConvergenceError",
     "Directors",
     "DirectrixError",
+    "DisplacementControl",
     "EnergyMomentum",
     "InputError",
     "Midpoint",
@@ -41,6 +44,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "controls": ("ArcLength", "DisplacementControl"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.discretisation import Discretisation
 from directrix.kernels import step as kernel
 from directrix.kernels.chain import solve_chain
 from directrix.newton import Newton
@@ -89,7 +88,7 @@ class Bordered:
             moved, turned, bad = kernel.move(out_of_balance + rise * per_factor, x, False, cayley, limit)
             if bad >= 0 or not np.isfinite(rise):
                 return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, max(bad, 0)))
-            factor += rise * min(1.0, limit / max(turned, 1e-300))
+            factor += float(rise * min(1.0, limit / max(turned, 1e-300)))
             place_supports(self.disc, x, factor)
             if moved <= 1e-9 * size and turned <= 1e-9:
                 kernel.internal_forces(newton.tables, work, x, newton.globals)
@@ -105,12 +104,12 @@ class Bordered:
         return Corrected(factor, newton.settings.iterations, newton.verdict(kernel.LIMIT, at))
 
     def tangent(self, x: Array, factor: float) -> tuple[Array, float] | Status:
-        """Unit tangent (n, 6) of the path at an equilibrium and its load factor, λ' ≥ 0; Status when there is none."""
+        """Unit tangent (n, 6) of the path at an equilibrium and dλ/ds ≥ 0 along it; Status when there is none."""
         found = self._increments(x, factor)
         if isinstance(found, Status):
             return found
         size = np.sqrt(dot(found[1], found[1], self.length))
-        return (found[1] / size, 1.0 / size) if size > 0.0 else (found[1], np.inf)
+        return (found[1] / size, float(1.0 / size)) if size > 0.0 else (found[1], np.inf)
 
     def _increments(self, x: Array, factor: float) -> tuple[Array, Array] | Status:
         """Increments (n, 6) of all nodes: due to the imbalance, and for one load factor more.
@@ -183,5 +182,3 @@ class Bordered:
 
 def _difference(factor: float) -> float:
     return 1e-5 * max(1.0, abs(factor))
-
-

@@ -38,8 +38,11 @@ class Along:
         return normal_to(tangent, reach, self.length)
 
     def orient(self, tangent: Array, onward: Array | None) -> float:
-        """±1: the first sense along a tangent on which the load factor rises; ``onward`` goes on from an earlier run."""
-        ahead = 1.0 if onward is None else np.sign(dot(onward, tangent, self.length)) or 1.0
+        """±1: the sense of the first step along a tangent on which the load factor rises.
+
+        ``onward`` is the last increment of the run that is gone on from.
+        """
+        ahead = 1.0 if onward is None else float(np.copysign(1.0, dot(onward, tangent, self.length)))
         return ahead if self.control.direction == "forward" else -ahead
 
     def goal(self, reach: float) -> tuple[float, bool]:

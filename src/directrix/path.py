@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,11 @@ STRAIGHT = 0.7  # cos of the largest angle between the tangents at the two ends 
 LOCATED = 1e-8  # of the slope at the ends of the step
 ON_TARGET = 1e-12  # of the load factor
 HELD_UP = "Bring loads that are constant on by load control first, and go on with start=."
+SHARP = Status(
+    "not_converged",
+    "the path turns too sharply to tell where it goes on.",
+    "Take smaller steps, refine the mesh, or look for a bifurcation there.",
+)
 TOO_SHORT = 1e-6  # of a step: an event that near to its start is the start
 
 
@@ -76,7 +81,9 @@ def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial
     tangent = np.copysign(1.0, along) * found[0]
     if abs(along) < STRAIGHT or gauge.rate(tangent) <= 0.0:
         raise _LostError(
-            Status("not_converged", "the path turns too sharply to be followed by a step of this size.", "Refine the mesh."),
+            Status(
+                "not_converged", "the path turns too sharply to be followed by a step of this size.", "Refine the mesh."
+            ),
             iterations,
         )
     return Trial(Point(x, factor, tangent, float(np.copysign(found[1], along))), reach, iterations)
@@ -118,30 +125,37 @@ class Walk:
         self.turning_points: list[TurningPoint] = []
         self.arc, self.steps, self.cuts, self.parts, self.kept = 0.0, 0, 0, 0, True
 
+    @property
+    def factor(self) -> float:
+        """Load factor of the last state."""
+        return self.point.factor
+
     def begin(self, x: Array, start: Result | None) -> Status | None:
         """Bring ``x`` to balance at the load factor it has; a Status when it cannot be. Raises ModelError."""
         if start is not None and start.kind != "static":
             raise ModelError("start= is a motion, which has no load factor to go on from", "start from solve_static")
         factor = 0.0 if start is None else float(start.load_factor[-1])
         self.loads = self.disc.external(factor, factor)
-        before = np.zeros_like(self.loads) if start is None else self.loads
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.disc, self.books)
-        self.point = Point(x, factor, np.zeros((self.disc.nodes, 6)), 0.0)
+        self.point = Point(x.copy(), factor, np.zeros((self.disc.nodes, 6)), 0.0)
         outcome = self.newton.solve(x, self.loads, place_supports(self.disc, x, factor))
         found = outcome.status or self.bordered.tangent(x, factor)
         if isinstance(found, Status):
             self._keep()
-            return Status(found.code, f"there is no start of a path at load factor {factor:.6g}: {found.sentence}", HELD_UP)
+            sentence = f"there is no equilibrium to start from at load factor {factor:.6g}: {found.sentence}"
+            return Status(found.code, sentence, HELD_UP)
         tangent, slope = found
         if not np.isfinite(slope):
-            raise ModelError("nothing moves with the load factor", "add a load that is not constant and not on a support")
+            raise ModelError(
+                "nothing moves with the load factor", "add a load that is not constant and not on a support"
+            )
         self.gauge = gauge_for(self.control, self.bordered, x)
         sense = self.gauge.orient(tangent, _onward(start))
         self.point = Point(x, factor, sense * tangent, sense * slope)
         self.gauge.walk(0.0, self.point.tangent)
         self.rising = sense
-        self._book(before)
+        self._book(np.zeros_like(self.loads) if start is None else self.loads)
         self._keep()
         if self._asked():
             raise ModelError(
@@ -192,7 +206,10 @@ class Walk:
                 trial, turned = limit, True
             else:
                 self.rising = -self.rising
-        passed = [f for f in self.control.load_factors if f != at.factor and (f - at.factor) * (trial.to.factor - f) >= 0.0]
+        passed = [
+            f for f in self.control.load_factors
+            if f != at.factor and (f - at.factor) * (trial.to.factor - f) >= 0.0
+        ]  # fmt: skip
         if passed:
             target = min(passed, key=lambda f: abs(f - at.factor))
             small = ON_TARGET * max(abs(target), abs(trial.to.factor - at.factor))
@@ -240,11 +257,9 @@ class Walk:
             return False
         rotation = x[:n, 3:12].reshape(n, 3, 3).transpose(0, 2, 1).copy()
         reaction = self.books.reaction.copy()
-        seen = Snapshot(
-            self.point.factor, self.arc, self.steps, self.disc.mesh, x[:n, :3].copy(), rotation, reaction
-        )
+        seen = Snapshot(self.point.factor, self.arc, self.steps, self.disc.mesh, x[:n, :3].copy(), rotation, reaction)
         try:
-            answer = until(seen)
+            answer = cast("object", until(seen))
         except ModelError:
             raise
         except Exception as error:  # whatever a user's function raises
@@ -252,10 +267,8 @@ class Walk:
                 f"until fails at load factor {seen.load_factor:.6g}: {error!r}",
                 "it gets a snapshot with .load_factor, .arc_length and .node(name).displacement",
             ) from error
-        if not isinstance(answer, (bool, np.bool_)):
-            raise ModelError(
-                f"until gives {answer!r} at load factor {seen.load_factor:.6g}", "return True or False"
-            )
+        if type(answer) not in (bool, np.bool_):
+            raise ModelError(f"until gives {answer!r} at load factor {seen.load_factor:.6g}", "return True or False")
         return bool(answer)
 
     def _here(self) -> str:
@@ -265,8 +278,10 @@ class Walk:
 
     def _out_of_steps(self) -> Status:
         if self.control.until is None:
-            return Status("done", f"took all {self.steps} steps{self._here()}")
-        return Status("step_limit", f"until did not become true{self._here()}", "Raise max_steps, or go on with start=.")
+            return Status("done", f"took all steps{self._here()}")
+        return Status(
+            "step_limit", f"until did not become true{self._here()}", "Raise max_steps, or go on with start=."
+        )
 
     def _stuck(self, why: Status) -> Status:
         return Status(
