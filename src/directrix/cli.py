@@ -222,7 +222,7 @@ def plot(
     component: Annotated[Component, typer.Option(help="path: which displacement of it.")] = Component.y,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
 ) -> None:
-    """Draw a picture of a result: the last shape, the motion, energy, momentum, one node's history, or its path under load."""
+    """Draw a picture of a result: the last shape, the motion, energy, momentum, a node's history or path under load."""
     from directrix.runs import draw
 
     result, path = _load(result_file)

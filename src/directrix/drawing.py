@@ -176,7 +176,7 @@ def rises(result: Result) -> bool:
 
 
 def abscissa(result: Result) -> Array:
-    """What the saved instants (nt,) are drawn over: time or load factor, or the arc length of a path that turns back."""
+    """What the saved instants (nt,) are drawn over: time, load factor, or the arc length of a path that turns back."""
     return result.t if rises(result) else result.arc_length
 
 

@@ -7,12 +7,13 @@ from numpy.typing import NDArray
 
 from directrix.bordered import Bordered, Row, dot, normal_to
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
+from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
 from directrix.result import Status
 
 Array = NDArray[np.float64]
 
-__all__ = ["Gauge", "gauge_for"]
+__all__ = ["Gauge", "driven", "gauge_for"]
 
 NEARLY_BACK = 0.2  # of the fastest a displacement moved along the path
 
@@ -67,17 +68,13 @@ class Towards:
 
     def __init__(self, control: DisplacementControl, bordered: Bordered, x: Array) -> None:
         disc = bordered.disc
-        self.control, self.place = control, (disc.mesh.node(control.node), control.column)
-        where = f"DisplacementControl, node {control.node!r}"
-        if disc.fixed[self.place]:
-            raise ModelError(
-                f"{where}: {control.component} is held by a support or prescribed", "choose a displacement that is free"
-            )
+        self.control, self.place = control, driven(control, disc)
         self.start = here = float(x[self.place] - disc.mesh.r0[self.place])
         self.whole, self.sense = abs(control.to - here), float(np.sign(control.to - here))
         if self.whole <= 1e-12 * disc.length:
             raise ModelError(
-                f"{where}: the {control.component} displacement is {here:g} already", "give another value with to="
+                f"the {control.component} displacement of node {control.node!r} is {here:g} already",
+                "give another value with to=",
             )
         self.done, self.fastest = 0.0, 0.0
         self.first = self.part = self.whole / control.steps
@@ -135,6 +132,17 @@ class Towards:
 
 
 Gauge = Along | Towards
+
+
+def driven(control: DisplacementControl, disc: Discretisation) -> tuple[int, int]:
+    """Node and column of the displacement that is driven. Raises ModelError when it is held or there is none."""
+    place = disc.mesh.node(control.node), control.column
+    if disc.fixed[place]:
+        raise ModelError(
+            f"the {control.component} displacement of node {control.node!r} is held by a support or prescribed",
+            "drive one that is free",
+        )
+    return place
 
 
 def gauge_for(control: Control, bordered: Bordered, x: Array) -> Gauge:
