@@ -103,15 +103,18 @@ class Bordered:
         _, at = kernel.imbalance(work, external, newton.mask, tolerance, floor)
         return Corrected(factor, newton.settings.iterations, newton.verdict(kernel.LIMIT, at))
 
-    def tangent(self, x: Array, factor: float) -> tuple[Array, float] | Status:
-        """Unit tangent (n, 6) of the path at an equilibrium and dλ/ds ≥ 0 along it; Status when there is none."""
-        found = self._increments(x, factor)
+    def tangent(self, x: Array, factor: float, at_limit: bool = True) -> tuple[Array, float] | Status:
+        """Unit tangent (n, 6) of the path at an equilibrium and dλ/ds ≥ 0 along it; Status when there is none.
+
+        ``at_limit`` False also refuses a stiffness that is as good as singular.
+        """
+        found = self._increments(x, factor, at_limit)
         if isinstance(found, Status):
             return found
         size = np.sqrt(dot(found[1], found[1], self.length))
         return (found[1] / size, float(1.0 / size)) if size > 0.0 else (found[1], np.inf)
 
-    def _increments(self, x: Array, factor: float) -> tuple[Array, Array] | Status:
+    def _increments(self, x: Array, factor: float, at_limit: bool = True) -> tuple[Array, Array] | Status:
         """Increments (n, 6) of all nodes: due to the imbalance, and for one load factor more.
 
         The second is the difference of two right-hand sides: interior nodes, which are condensed, get their
@@ -127,7 +130,7 @@ class Bordered:
                 return self._singular(int(newton.tables.element_node[bad]))
             rhs[k], inside[k] = work.rhs, work.back[:, 12]
         rhs[1][self.held] = self._support_rate(factor)[self.held]
-        solved = self._solve(rhs)
+        solved = self._solve(rhs, at_limit)
         if isinstance(solved, Status):
             return solved
         steps: list[Array] = []
@@ -137,16 +140,16 @@ class Bordered:
             steps.append(work.step[: self.disc.nodes].copy())
         return steps[0], steps[1] - steps[0]
 
-    def _solve(self, rhs: Array) -> Array | Status:
+    def _solve(self, rhs: Array, at_limit: bool) -> Array | Status:
         newton, work = self.newton, self.newton.work
         at = 0
-        if newton.tables.chain:
+        if newton.tables.chain and at_limit:
             out = np.empty_like(rhs)
             rows = [solve_chain(newton.tables.eliminate, work.blocks, rhs[k], work.factors, out[k]) for k in range(2)]
             if max(rows) < 0:
                 return out
             at = int(newton.tables.node_of_row[max(rows)])
-        solved = newton.sparse.solve(work.blocks, rhs)
+        solved = newton.sparse.solve(work.blocks, rhs, at_limit=at_limit)
         return self._singular(at) if solved is None else solved
 
     def _load_rate(self, factor: float) -> Array:

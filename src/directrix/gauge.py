@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 __all__ = ["Gauge", "driven", "gauge_for"]
 
 NEARLY_BACK = 0.2  # of the fastest a displacement moved along the path
+NEARLY_STILL = 0.02  # of what moves fastest there
 
 
 class Along:
@@ -73,7 +74,7 @@ class Towards:
         self.whole, self.sense = abs(control.to - here), float(np.sign(control.to - here))
         if self.whole <= 1e-12 * disc.length:
             raise ModelError(
-                f"the {control.component} displacement of node {control.node!r} is {here:g} already",
+                f"the {control.component} displacement of node {control.node!r} is {control.to:g} already",
                 "give another value with to=",
             )
         self.done, self.fastest = 0.0, 0.0
@@ -120,13 +121,13 @@ class Towards:
 
     def blame(self, tangent: Array) -> Status | None:
         """The displacement turns back: its part of the tangent vanishes."""
-        if self.rate(tangent) > NEARLY_BACK * self.fastest:
+        if self.rate(tangent) > max(NEARLY_BACK * self.fastest, NEARLY_STILL * float(np.abs(tangent[:, :3]).max())):
             return None
         of, here = self.control, self.start + self.sense * self.done
         return Status(
             "not_converged",
-            f"the {of.component} displacement of node {of.node!r} turns back near {here:.6g}: it goes no further "
-            "along the path.",
+            f"the {of.component} displacement of node {of.node!r} turns back or stands still near {here:.6g}: "
+            "it does not go on along the path.",
             "Follow the path with dx.ArcLength, or drive another displacement.",
         )
 

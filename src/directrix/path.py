@@ -140,7 +140,7 @@ class Walk:
         self.ledger = StaticBooks(self.disc, self.books)
         self.point = Point(x.copy(), factor, np.zeros((self.disc.nodes, 6)), 0.0)
         outcome = self.newton.solve(x, self.loads, place_supports(self.disc, x, factor))
-        found = outcome.status or self.bordered.tangent(x, factor)
+        found = outcome.status or self.bordered.tangent(x, factor, at_limit=start is not None)
         if isinstance(found, Status):
             self._keep()
             sentence = f"there is no equilibrium to start from at load factor {factor:.6g}: {found.sentence}"
@@ -148,7 +148,8 @@ class Walk:
         tangent, slope = found
         if not np.isfinite(slope):
             raise ModelError(
-                "nothing moves with the load factor", "add a load that is not constant and not on a support"
+                f"nothing moves with the load factor, at {factor:.6g}",
+                "give a load that is neither constant nor on a support, nor a function that begins flat",
             )
         self.gauge = gauge_for(self.control, self.bordered, x)
         sense = self.gauge.orient(tangent, _onward(start))
