@@ -70,7 +70,8 @@ class Towards:
     def __init__(self, control: DisplacementControl, bordered: Bordered, x: Array) -> None:
         disc = bordered.disc
         self.control, self.place = control, driven(control, disc)
-        self.start = here = float(x[self.place] - disc.mesh.r0[self.place])
+        here = float(x[self.place] - disc.mesh.r0[self.place])
+        self.start = here if abs(here) > 1e-12 * disc.length else 0.0
         self.whole, self.sense = abs(control.to - here), float(np.sign(control.to - here))
         if self.whole <= 1e-12 * disc.length:
             raise ModelError(
