@@ -4,14 +4,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from directrix.controls import ArcLength, DisplacementControl
+    from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.formulations import Directors
     from directrix.integrators import EnergyMomentum, Midpoint
     from directrix.model import Model
-    from directrix.result import Result, Status
+    from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.statics import solve_static
     from directrix.storage import load
@@ -31,7 +31,9 @@ __all__ = [
     "ModelError",
     "Result",
     "Section",
+    "Snapshot",
     "Status",
+    "TurningPoint",
     "arc",
     "helix",
     "line",
@@ -44,14 +46,14 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
-    "controls": ("ArcLength", "DisplacementControl"),
+    "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "formulations": ("Directors",),
     "integrators": ("EnergyMomentum", "Midpoint"),
     "model": ("Model",),
-    "result": ("Result", "Status"),
+    "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "statics": ("solve_static",),
     "storage": ("load",),

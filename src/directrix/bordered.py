@@ -157,21 +157,21 @@ class Bordered:
         disc = self.disc
         rate = disc.external(factor, 1.0) - disc.external(factor, 0.0)
         if any(load.varies for load in disc.loads):
-            h = _difference(factor)
-            rate += (disc.external(factor + h, factor) - disc.external(factor - h, factor)) / (2.0 * h)
+            low, high = _around(factor)
+            rate += (disc.external(high, factor) - disc.external(low, factor)) / (high - low)
         return rate
 
     def _support_rate(self, factor: float) -> Array:
         """Displacement and spin (rows, 6) of the supports for one load factor more."""
         rate = np.zeros(self.held.shape)
-        h = _difference(factor)
+        low, high = _around(factor)
         for node, displacement, rotation in self.disc.prescribed:
             row = self.disc.pattern.row[node]
             if displacement is not None:
-                rate[row, :3] = (displacement(factor + h) - displacement(factor - h)) / (2.0 * h)
+                rate[row, :3] = (displacement(high) - displacement(low)) / (high - low)
             if rotation is not None:
-                ahead, behind = exp(rotation(factor + h)), exp(rotation(factor - h))
-                rate[row, 3:] = axial((ahead - behind) @ exp(rotation(factor)).T) / (2.0 * h)
+                ahead, behind = exp(rotation(high)), exp(rotation(low))
+                rate[row, 3:] = axial((ahead - behind) @ exp(rotation(factor)).T) / (high - low)
         return rate
 
     def _singular(self, node: int) -> Status:
@@ -183,5 +183,7 @@ class Bordered:
         return Status("singular", "what drives the path does not move along it.", "Drive it by another displacement.")
 
 
-def _difference(factor: float) -> float:
-    return 1e-5 * max(1.0, abs(factor))
+def _around(factor: float) -> tuple[float, float]:
+    """Where functions of the load factor are asked for their slope; not below 0 while the factor is not."""
+    h = 1e-5 * max(1.0, abs(factor))
+    return (factor if 0.0 <= factor < h else factor - h), factor + h

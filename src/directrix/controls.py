@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -55,7 +55,7 @@ class Snapshot:
 Until = Callable[[Snapshot], bool]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ArcLength:
     """Follow the equilibrium path by its own length: the load factor is an unknown and may rise and fall.
 
@@ -108,6 +108,9 @@ class ArcLength:
         _set(self, "load_factors", _numbers(self.load_factors))
         _callable(self.until)
 
+    def __repr__(self) -> str:
+        return _shown(self)
+
     @property
     def smallest(self) -> float:
         """Step below which the run gives up."""
@@ -119,7 +122,7 @@ class ArcLength:
         return self.ds_max if self.ds_max is not None else 4.0 * self.ds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DisplacementControl:
     """Drive one displacement of one node to a value; the load factor follows and may rise and fall.
 
@@ -158,6 +161,9 @@ class DisplacementControl:
         _set(self, "load_factors", _numbers(self.load_factors))
         _callable(self.until)
 
+    def __repr__(self) -> str:
+        return _shown(self)
+
     @property
     def column(self) -> int:
         """0, 1 or 2."""
@@ -178,6 +184,13 @@ def _numbers(values: Iterable[Any] | Any) -> tuple[float, ...]:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise ModelError(f"load_factors = {values!r} is not a list of numbers", "give e.g. (0.5, 1.0)")
     return tuple(number(v, "an entry of load_factors") for v in values)  # pyright: ignore[reportUnknownVariableType]
+
+
+def _shown(control: ArcLength | DisplacementControl) -> str:
+    """What was given and is not the default; a function by its name."""
+    values = [(f, getattr(control, f.name)) for f in fields(control)]
+    given = [f"{f.name}={getattr(v, '__name__', repr(v))}" for f, v in values if v != f.default]
+    return f"{type(control).__name__}({', '.join(given)})"
 
 
 def _set(of: object, name: str, value: object) -> None:
