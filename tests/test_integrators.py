@@ -197,6 +197,10 @@ def test_pairs_that_cannot_work_are_refused_with_the_reason() -> None:
         (lambda: dx.Newmark(beta=0.0), "beta"),
         (lambda: dx.solve_static(rod(3).clamp("a"), formulation=dx.CrisfieldJelenic()), "order 3"),
         (lambda: dx.solve_static(rod().clamp("a"), formulation="rods"), "not a formulation"),
+        (
+            lambda: dx.solve_static(rod().clamp("a"), control=dx.ArcLength(ds=0.1), formulation=dx.SimoVuQuoc()),
+            "where its step began",
+        ),
     ]
     for make, reason in cases:
         with pytest.raises(dx.ModelError, match=reason) as error:

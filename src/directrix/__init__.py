@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
         SimoTarnowDoblare,
     )
     from directrix.model import Model
-    from directrix.result import Result, Status
+    from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.statics import solve_static
     from directrix.storage import load
@@ -26,10 +27,12 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ArcLength",
     "ConvergenceError",
     "CrisfieldJelenic",
     "Directors",
     "DirectrixError",
+    "DisplacementControl",
     "EnergyDissipating",
     "EnergyMomentum",
     "GeneralizedAlpha",
@@ -43,7 +46,9 @@ __all__ = [
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
+    "Snapshot",
     "Status",
+    "TurningPoint",
     "arc",
     "helix",
     "line",
@@ -56,6 +61,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
@@ -70,7 +76,7 @@ _HOME = {
         "SimoTarnowDoblare",
     ),
     "model": ("Model",),
-    "result": ("Result", "Status"),
+    "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "statics": ("solve_static",),
     "storage": ("load",),
