@@ -297,6 +297,34 @@ def doctor() -> int:
     return 0 if passed else 4
 
 
+@app.command()
+@_guarded
+def verify(
+    everything: Annotated[bool, typer.Option("--all", help="The long cases as well.")] = False,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="A name or a section; * and ? match; may be repeated.")
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="Print the cases and run none.")] = False,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write every row with all its digits.")] = None,
+) -> int:
+    """Run the validation suite: published and exact values beside what is computed here, with sources."""
+    from rich.console import Console
+
+    from directrix.verification import report
+    from directrix.verification.suite import select
+
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    cases = select(tuple(only or ()), everything or (listed and not only))
+    if listed:
+        report.listing(console, cases)
+        return 0
+    outcomes = report.run(console, cases)
+    if json is not None:
+        report.write_json(json, outcomes)
+        console.print(f"wrote {json}", markup=False, soft_wrap=True)
+    return 0 if all(o.passed for o in outcomes) else 4
+
+
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
     from directrix.runs import RESULT
