@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
 from directrix.cli import app
 from directrix.errors import ModelError
-from directrix.verification import suite
+from directrix.verification import models, record, suite
 from directrix.verification.record import Case, Check
 
 CLI = CliRunner()
@@ -111,3 +113,13 @@ def test_a_wrong_number_is_exit_code_4(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert "FAILED" in outcome.output and "no answer" in outcome.output and "3 NOT within tolerance" in outcome.output
     data = json.loads(file.read_text("utf-8"))
     assert not data["passed"] and data["rows"][1]["got"] == [None] and "no answer" in data["failures"]["stops"]
+
+
+def test_the_case_of_the_page_runs() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "validation.md").read_text("utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    names: dict[str, Any] = {**vars(models), **vars(record), "Iterator": Iterator}
+    exec(compile(code, "validation.md", "exec"), names)
+    (case,) = names["CASES"]
+    outcome = suite.perform(case)
+    assert outcome.passed and len(outcome.checks) == 1

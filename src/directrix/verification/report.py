@@ -47,6 +47,7 @@ def write_json(path: Path, outcomes: Sequence[Outcome]) -> None:
 
     rows = [
         {"section": o.case.section, "name": o.case.name, **asdict(c)}
+        | {"expected": list(c.expected), "got": list(c.got)}
         | {"error": c.error, "digits": c.digits, "judged": c.judged, "passed": c.passed}
         for o in outcomes
         for c in o.checks
