@@ -325,6 +325,21 @@ def verify(
     return 0 if all(o.passed for o in outcomes) else 4
 
 
+@app.command()
+@_guarded
+def paper(
+    out: Annotated[Path, typer.Option("--out", "-o", help="The HTML file to write.")] = Path("paper.html"),
+    quick: Annotated[bool, typer.Option("--quick", help="Shorten the long motions.")] = False,
+) -> None:
+    """Recompute Section 5 of Romero and Armero (2002): one offline HTML page, printed values beside ours."""
+    from directrix.paper.page import report
+
+    if not out.parent.is_dir():
+        raise InputError("there is no such folder", "make it, or name another file with --out", str(out.parent))
+    out.write_text(report(quick, lambda title: print(title, flush=True)), encoding="utf-8")
+    print(f"wrote {out}")
+
+
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
     from directrix.runs import RESULT

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.paper.models import bend
+from directrix.paper.printed import LOADS, TABLE_II
 from directrix.verification.models import equilibrium
 from directrix.verification.record import Case, Check, Values
 from directrix.verification.references import shoot
@@ -37,12 +38,7 @@ EXACT: dict[tuple[float, float, float], Values] = {
     (1.0, SAINT_VENANT, 3000.0): (-47.75189, 68.522895, -25.075308),
     (1.0, POLAR, 3000.0): (-47.68637, 68.539089, -25.056446),
 }
-# force: position of the tip, eight linear elements
-CURRENT: dict[float, Values] = {
-    300.0: (58.65, 40.66, 22.13),
-    450.0: (51.83, 49.32, 18.22),
-    600.0: (46.46, 54.55, 15.24),
-}
+# directors, torsion constant: position of the tip under the paper's loads, eight linear elements
 REBUILT: dict[tuple[str, float], tuple[Values, Values, Values]] = {
     ("chord", POLAR): ((58.6536, 40.6636, 22.1323), (51.8313, 49.3280, 18.2244), (46.4612, 54.5543, 15.2477)),
     ("chord", SAINT_VENANT): ((58.4055, 40.9547, 21.9974), (51.5539, 49.5298, 18.0819), (46.1938, 54.6830, 15.1180)),
@@ -102,11 +98,10 @@ def _exact() -> Iterator[Check]:
 
 
 def _table_2() -> Iterator[Check]:
-    for k, (force, printed) in enumerate(CURRENT.items()):
+    for k, (force, printed) in enumerate(zip(LOADS, TABLE_II["current"], strict=True)):
         tips = {key: _tip(force, directors=key[0], J=key[1]) for key in REBUILT}
         name = f"F = {force:g}, 8 linear"
-        row = Check.printed(f"{name}", "Romero & Armero 2002, Table II", "S", printed, tips["chord", POLAR], 2, ulps=1)
-        yield row
+        yield Check.printed(name, "Romero & Armero 2002, Table II", "S", printed, tips["chord", POLAR], 2, ulps=1)
         for key, tip in tips.items():
             what = f"{name}, directors along the {key[0]}, J = {key[1]:.4g}"
             yield Check.printed(what, "independent program", "C-FE", REBUILT[key][k], tip, 4, ulps=1)

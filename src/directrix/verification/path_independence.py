@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import directrix as dx
 from directrix.paper.models import AT_A, AT_B, two_turns
+from directrix.paper.printed import TABLE_I
 from directrix.rotations import exp, log
 from directrix.verification.record import Case, Check, Values
 
@@ -18,7 +19,6 @@ PAPER = "Romero & Armero 2002, Table I"
 FORM = "mean and slope of the end directors"
 PATHS = {"I": (0.5, 0.5), "II": (0.775, 0.4)}
 # κ, u_B
-CURRENT: tuple[Values, Values] = ((-0.66123, 0.66499, 0.22128), (0.11370, -0.40047, 0.57033))
 CLOSED: tuple[Values, Values] = ((-0.66123659, 0.66499847, -0.22128391), (0.11369847, -0.40046749, 0.57033295))
 RELATIVE: Values = (-1.26382527, 1.27101537, -0.4229412)  # of the ends, as a vector in the frame of A
 # ends after a further turn by (0.2, 1.2, −0.5)
@@ -48,7 +48,7 @@ def _run() -> Iterator[Check]:
         yield Check.printed(f"closed form of {name}", FORM, "C", CLOSED[k], exact[k], 8)
         for path, state in states.items():
             yield Check.of(f"{name}, path {path}", FORM, "A", exact[k], state[k], 1e-8)
-            printed = np.array(CURRENT[k]) * ((1, 1, -1) if name == "κ" else 1)
+            printed = np.array(TABLE_I[f"current, path {path}"][3 * k : 3 * k + 3]) * ((1, 1, -1) if name == "κ" else 1)
             what = f"{name}, path {path}" + (" (κ3 printed without its minus)" if name == "κ" else "")
             yield Check.printed(what, PAPER, "S", printed, state[k], 5, ulps=1)
         gap = float(np.abs(states["I"][k] - states["II"][k]).max())
