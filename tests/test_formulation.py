@@ -6,7 +6,9 @@ import numpy as np
 import sympy
 
 from directrix.formulations.conformance import random_parameters
-from directrix.formulations.directors import Layout, Rule, audit, record_audit, record_step, residual
+from directrix.formulations.directors import DirectorStep, Rule, audit, residual
+from directrix.formulations.element import record_audit, record_step
+from directrix.formulations.layout import Layout
 from directrix.kernels.trace import Graph, derivative, dot, needed
 
 RULES = {"energy-momentum": Rule(0.5, 0.5), "midpoint": Rule(0.0, 0.0, 1.0), "static": Rule(static=True)}
@@ -70,7 +72,7 @@ def test_size_of_the_traces() -> None:
         graph, out, _ = recorded
         return sum(graph.ops[i][0] in ("add", "sub", "mul", "div") for i in needed(graph, out))
 
-    layout = Layout(2, 1, True)
-    assert count(record_step(layout, Rule(0.5, 0.5), tangent=True)) <= 4400
-    assert count(record_step(layout, Rule(0.5, 0.5), tangent=False)) <= 1000
-    assert count(record_audit(layout)) <= 800
+    element, layout = DirectorStep(Rule(0.5, 0.5)), Layout(2, 1, True)
+    assert count(record_step(element, layout, tangent=True)) <= 4400
+    assert count(record_step(element, layout, tangent=False)) <= 1000
+    assert count(record_audit(element, layout)) <= 800

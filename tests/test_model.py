@@ -90,7 +90,6 @@ def test_kinks_of_a_polyline_get_nodes() -> None:
         (lambda: rod().force("C", (1, 0, 0)).check(), "no node 'C' for the load"),
         (lambda: rod().force("A", (1, 0)), "force on node 'A'"),
         (lambda: rod().force("A", (1, 0, float("nan"))), "force on node 'A'"),
-        (lambda: rod().force("A", (1, 0, 0), follower=True), "follower"),
         (lambda: rod().moment("A", "up"), "moment on node 'A'"),
         (lambda: rod().force("A", lambda t: (t, 0)).check(), "force 'A' at t = 0"),
         (lambda: rod().force("A", lambda t: 1 / t).check(), "force 'A': the function fails"),

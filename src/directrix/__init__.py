@@ -7,8 +7,16 @@ if TYPE_CHECKING:
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
-    from directrix.formulations import Directors
-    from directrix.integrators import EnergyMomentum, Midpoint
+    from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+    from directrix.integrators import (
+        EnergyDissipating,
+        EnergyMomentum,
+        GeneralizedAlpha,
+        HilberHughesTaylor,
+        Midpoint,
+        Newmark,
+        SimoTarnowDoblare,
+    )
     from directrix.model import Model
     from directrix.result import Result, Status
     from directrix.section import Section
@@ -19,15 +27,22 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ConvergenceError",
+    "CrisfieldJelenic",
     "Directors",
     "DirectrixError",
+    "EnergyDissipating",
     "EnergyMomentum",
+    "GeneralizedAlpha",
+    "HilberHughesTaylor",
     "InputError",
     "Midpoint",
     "Model",
     "ModelError",
+    "Newmark",
     "Result",
     "Section",
+    "SimoTarnowDoblare",
+    "SimoVuQuoc",
     "Status",
     "arc",
     "helix",
@@ -44,8 +59,16 @@ _HOME = {
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
-    "formulations": ("Directors",),
-    "integrators": ("EnergyMomentum", "Midpoint"),
+    "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "integrators": (
+        "EnergyDissipating",
+        "EnergyMomentum",
+        "GeneralizedAlpha",
+        "HilberHughesTaylor",
+        "Midpoint",
+        "Newmark",
+        "SimoTarnowDoblare",
+    ),
     "model": ("Model",),
     "result": ("Result", "Status"),
     "section": ("Section",),

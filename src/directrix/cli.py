@@ -49,6 +49,11 @@ class Scheme(StrEnum):
 
     midpoint = "midpoint"
     energy_momentum = "energy-momentum"
+    energy_dissipating = "energy-dissipating"
+    generalized_alpha = "generalized-alpha"
+    hilber_hughes_taylor = "hilber-hughes-taylor"
+    newmark = "newmark"
+    simo_tarnow_doblare = "simo-tarnow-doblare"
 
 
 class Picture(StrEnum):

@@ -10,17 +10,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import gauss, lagrange
 from directrix.errors import ModelError
-from directrix.formulations.directors import Layout, strains
+from directrix.formulations.element import Committed, Element
+from directrix.formulations.layout import Layout
 from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Rod, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat, smallest_rotation
+from directrix.scheme import Scheme
+from directrix.section import Section
 
 Array = NDArray[np.float64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
@@ -32,19 +35,21 @@ __all__ = ["Discretisation", "Group", "LoadTerm", "Pattern", "discretise"]
 @dataclass(frozen=True)
 class Group:
     """Elements that share one kernel: ``conn`` (ne, nn) nodes, ``parameters`` (ne, size),
-    ``station`` (ne,) index of their first stress point."""
+    ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference."""
 
     layout: Layout
     conn: Ints
     parameters: Array
     station: Ints
+    history: Array
 
 
 @dataclass(frozen=True)
 class LoadTerm:
-    """A load as the solvers see it: ``value(t)`` times ``weights`` on the force (or moment) of ``nodes``."""
+    """A load as the solvers see it: ``value(t)`` times ``weights`` on ``nodes``, from column ``first`` on of the loads:
+    0 force, 3 moment, 6 following force, 9 following moment."""
 
-    moment: bool
+    first: int
     nodes: Ints
     weights: Array
     value: Callable[[float], Array]
@@ -79,7 +84,9 @@ class Discretisation:
     fixed: NDArray[np.bool_]
     prescribed: tuple[Prescribed, ...]
     loads: tuple[LoadTerm, ...]
-    stiffness: tuple[Array, ...]  # per rod (6, 6)
+    sections: tuple[Section, ...]
+    lumped: Array
+    """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
 
     @property
     def nodes(self) -> int:
@@ -114,19 +121,21 @@ class Discretisation:
         return f"element {element}"
 
     def external(self, t: float, factor: float = 1.0) -> Array:
-        """Loads (n, 6) at time t; those not marked constant are multiplied by ``factor``."""
-        out = np.zeros((self.nodes, 6))
+        """Loads (n, 12) at time t: forces and moments, then those that turn with their node, in its frame.
+
+        Those not marked constant are multiplied by ``factor``.
+        """
+        out = np.zeros((self.nodes, 12))
         for load in self.loads:
             value = load.value(t) * (1.0 if load.constant else factor)
-            part = out[:, 3:] if load.moment else out[:, :3]
-            np.add.at(part, load.nodes, load.weights[:, None] * value)
+            np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights[:, None] * value)
         return out
 
     def section_force(self, strain: Array) -> Array:
         """Section forces (…, stations, 6) from strains (…, stations, 6)."""
         parts = [
-            strain[..., r.first_station : r.first_station + len(r.stations), :] @ c
-            for r, c in zip(self.mesh.rods, self.stiffness, strict=True)
+            section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
+            for r, section in zip(self.mesh.rods, self.sections, strict=True)
         ]
         return np.concatenate(parts, axis=-2)
 
@@ -199,8 +208,10 @@ def _mesh_rod(rod: Rod) -> _RodArrays:
     return _RodArrays(np.append(s[:, :-1].ravel(), s[-1, -1]), nodes, directors, notes)
 
 
-def _parameters(rod: Rod, layout: Layout, r: Array, directors: Array) -> tuple[Array, Array]:
-    """Element parameters (ne, size) in the order of :class:`Layout`, and ∫N_a dS (ne, nn).
+def _parameters(
+    rod: Rod, layout: Layout, element: Element, r: Array, directors: Array, lumped: bool
+) -> tuple[Array, Array, Array]:
+    """Element parameters (ne, size) in the order of :class:`Layout`, ∫N_a dS (ne, nn), history (ne, 12 rows).
 
     ``r`` (ne, nn, 3) reference positions, ``directors`` (ne, nn, 3, 3) with columns d1, d2, d3.
     """
@@ -214,15 +225,19 @@ def _parameters(rod: Rod, layout: Layout, r: Array, directors: Array) -> tuple[A
 
     _, _, j = speed(layout.points)
     w, n, jm = speed(order + 1)
-    pairs = np.einsum("g,eg,ga,gb->eab", w, jm, n, n)[:, *np.triu_indices(nn)]
     weights = np.einsum("g,eg,ga->ea", w, jm, n)
+    mass = np.einsum("ea,ab->eab", weights, np.eye(nn)) if lumped else np.einsum("g,eg,ga,gb->eab", w, jm, n, n)
+    pairs = mass[:, *np.triu_indices(nn)]
     q = [[list(r[:, a].T)] + [list(directors[:, a, :, i].T) for i in range(3)] for a in range(nn)]
-    xi, _ = gauss(layout.points)
-    n, dn = lagrange(order, xi)
-    e0 = [strains(q, n[g].tolist(), dn[g].tolist(), 1.0 / j[:, g]) for g in range(layout.points)]
+    e0 = element.reference(layout, q, list(1.0 / j.T))
+    history = np.zeros((ne, 0))
+    if element.rows(layout):
+        history = np.stack(cast(Committed, element).initial(layout, q), -1)
     c, inertia = section.stiffness, section.I_rho
     stiff = np.diag(c) if layout.principal else c[np.triu_indices(6)]
     masses = [section.A_rho, inertia[0, 0], inertia[1, 1]] + ([] if layout.principal else [inertia[0, 1]])
+    viscous = section.damping
+    damping = {"none": np.zeros(0), "principal": np.diag(viscous), "full": viscous[np.triu_indices(6)]}[layout.damping]
     table = [
         # place() reads the components of d_i one director after the other
         directors.transpose(0, 1, 3, 2).reshape(ne, 9 * nn),
@@ -231,8 +246,43 @@ def _parameters(rod: Rod, layout: Layout, r: Array, directors: Array) -> tuple[A
         np.stack([np.stack(e, -1) for e in e0], 1).reshape(ne, -1),
         pairs,
         np.broadcast_to(masses, (ne, len(masses))),
+        np.broadcast_to(damping, (ne, len(damping))),
+        jm if layout.sampled else np.zeros((ne, 0)),
     ]
-    return np.concatenate(table, axis=1), weights
+    return np.concatenate(table, axis=1), weights, history
+
+
+def _layout(rod: Rod, nn: int, element: Element) -> Layout:
+    section = rod.section
+    c, viscous, inertia = section.stiffness, section.damping, section.I_rho
+    principal = not np.any(c - np.diag(np.diag(c))) and inertia[0, 1] == 0.0
+    damping = "none"
+    if np.any(viscous):
+        damping = "full" if np.any(viscous - np.diag(np.diag(viscous))) else "principal"
+    return Layout(nn, rod.points or rod.order, principal, damping, section.law, element.sampled)
+
+
+def _lumped(n: int, groups: Sequence[Group]) -> Array:
+    """See :class:`Discretisation`; the mass of the groups must be lumped."""
+    out, dyadic = np.zeros((n, 13)), np.zeros((n, 3, 3))
+    for group in groups:
+        columns: Any = group.parameters.T
+        nn, parts = group.layout.nn, [p.T for p in group.layout.split(columns)]
+        directors = parts[0].reshape(-1, nn, 3, 3)  # [element, node, director, component]
+        for a in range(nn):
+            weight = parts[4][:, a * nn - a * (a - 1) // 2]
+            np.add.at(out[:, 0], group.conn[:, a], weight * parts[5][:, 0])
+            euler = np.zeros((len(weight), 2, 2))
+            euler[:, 0, 0], euler[:, 1, 1] = parts[5][:, 1], parts[5][:, 2]
+            if parts[5].shape[1] > 3:
+                euler[:, 0, 1] = euler[:, 1, 0] = parts[5][:, 3]
+            d = directors[:, a, :2]
+            np.add.at(dyadic, group.conn[:, a], np.einsum("e,epq,epi,eqj->eij", weight, euler, d, d))
+    values, vectors = np.linalg.eigh(dyadic)
+    small = values.max(axis=1, initial=0.0, keepdims=True) * 1e-14
+    out[:, 1:4] = np.where(values > small, values, 0.0)
+    out[:, 4:] = vectors.transpose(0, 2, 1).reshape(n, 9)
+    return out
 
 
 def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
@@ -292,14 +342,15 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     )
 
 
-def discretise(model: Model, *, dynamic: bool) -> Discretisation:
+def discretise(model: Model, scheme: Scheme) -> Discretisation:
     """Mesh the model and number its unknowns; raises ModelError for a model that cannot be solved."""
+    element, dynamic = scheme.element, not scheme.static
     model.check(**({"dynamic": True} if dynamic else {"static": True}))
     names: dict[str, int] = {}
     positions: list[Array] = []
     rods: list[RodMesh] = []
     notes: list[str] = []
-    by_layout: dict[Layout, list[tuple[Ints, Array, Ints]]] = {}
+    by_layout: dict[Layout, list[tuple[Ints, Array, Ints, Array]]] = {}
     spread: dict[str, tuple[Ints, Array]] = {}
     station = 0
     for rod in model.rods:
@@ -320,13 +371,11 @@ def discretise(model: Model, *, dynamic: bool) -> Discretisation:
         ne, nn = mesh.directors.shape[:2]
         local: Ints = np.arange(ne)[:, None] * rod.order + np.arange(nn)
         conn = index[local]
-        c, inertia = rod.section.stiffness, rod.section.I_rho
-        principal = not np.any(c - np.diag(np.diag(c))) and inertia[0, 1] == 0.0
-        points = rod.points or rod.order
-        layout = Layout(nn, points, principal)
-        parameters, weights = _parameters(rod, layout, mesh.r[local], mesh.directors)
+        layout = _layout(rod, nn, element)
+        points = layout.points
+        parameters, weights, history = _parameters(rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped)
         first: Ints = station + points * np.arange(ne)
-        by_layout.setdefault(layout, []).append((conn, parameters, first))
+        by_layout.setdefault(layout, []).append((conn, parameters, first, history))
         spread[rod.name] = conn.ravel(), weights.ravel()
         shape = lagrange(rod.order, gauss(points)[0])[0]
         at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
@@ -338,7 +387,7 @@ def discretise(model: Model, *, dynamic: bool) -> Discretisation:
         )  # fmt: skip
         station += points * ne
     groups = tuple(
-        Group(layout, *(np.concatenate([part[k] for part in parts]) for k in range(3)))  # type: ignore[arg-type]
+        Group(layout, *(np.concatenate([part[k] for part in parts]) for k in range(4)))  # type: ignore[arg-type]
         for layout, parts in by_layout.items()
     )
     mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
@@ -352,7 +401,8 @@ def discretise(model: Model, *, dynamic: bool) -> Discretisation:
         fixed,
         prescribed,
         _loads(model, names, spread),
-        tuple(rod.section.stiffness for rod in model.rods),
+        tuple(rod.section for rod in model.rods),
+        _lumped(n, groups) if scheme.lumped else np.zeros((0, 13)),
     )
 
 
@@ -380,38 +430,14 @@ def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Ar
     terms: list[LoadTerm] = []
     for load in model.loads:
         if isinstance(load, Gravity):
-            value = _as_function(load.value, False, "gravity")
-            for rod in model.rods:
-                nodes, weights = spread[rod.name]
-                terms.append(
-                    LoadTerm(
-                        False,
-                        nodes,
-                        rod.section.A_rho * weights,
-                        value,
-                        load.constant,
-                        callable(load.value),
-                        "gravity",
-                    )
-                )
+            over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
+            what, first = "gravity", 0
         elif isinstance(load, Distributed):
-            what = f"the distributed load on rod {load.rod!r}"
-            nodes, weights = spread[load.rod]
-            terms.append(
-                LoadTerm(
-                    False,
-                    nodes,
-                    weights,
-                    _as_function(load.value, False, what),
-                    load.constant,
-                    callable(load.value),
-                    what,
-                )
-            )
+            over, what, first = [spread[load.rod]], f"the distributed load on rod {load.rod!r}", 0
         else:
             kind = "force" if isinstance(load, Force) else "moment"
-            what = f"the {kind} on node {load.node!r}"
-            node = np.array([names[load.node]])
-            value = _as_function(load.value, False, what)
-            terms.append(LoadTerm(kind == "moment", node, np.ones(1), value, load.constant, callable(load.value), what))
+            over, what = [(np.array([names[load.node]]), np.ones(1))], f"the {kind} on node {load.node!r}"
+            first = (0 if kind == "force" else 3) + (6 if load.follower else 0)
+        value = _as_function(load.value, False, what)
+        terms += [LoadTerm(first, nodes, w, value, load.constant, callable(load.value), what) for nodes, w in over]
     return tuple(terms)

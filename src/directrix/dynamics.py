@@ -9,15 +9,15 @@ import numpy as np
 from directrix.audit import DynamicBooks
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.formulations import Directors
-from directrix.integrators import EnergyMomentum, Integrator
+from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
-from directrix.state import initial_state, place_supports
+from directrix.scheme import Rates
+from directrix.state import has_history, initial_state, place_supports
 
-__all__ = ["simulate"]
+__all__ = ["refuse_damping", "simulate"]
 
 
 def simulate(
@@ -26,7 +26,7 @@ def simulate(
     dt: float,
     *,
     integrator: Integrator | None = None,
-    formulation: Directors | None = None,
+    formulation: Formulation | None = None,
     load_rule: Literal["midpoint", "average"] = "midpoint",
     start: Result | None = None,
     save_every: int = 1,
@@ -43,11 +43,13 @@ def simulate(
     t_end, dt
         End and step; ``t_end`` must be a whole number of steps away.
     integrator
-        ``EnergyMomentum()`` (default) or ``Midpoint()``.
+        ``EnergyMomentum()`` (default), ``Midpoint()``, ``EnergyDissipating(..)``, ``GeneralizedAlpha(rho_inf)``,
+        ``HilberHughesTaylor(alpha)``, ``Newmark(..)``, ``SimoTarnowDoblare()``.
     formulation
-        ``Directors()``.
+        The one that the integrator works with, ``Directors()`` for most; any other is refused.
     load_rule
-        A load acts over a step with its value at t½ ("midpoint") or the mean of its end values ("average").
+        A load acts over a step with its value at t½ ("midpoint") or the mean of its end values ("average");
+        the generalised-α family takes its value at the end of the step.
     start
         Go on from the last instant of this result, at its time if it is dynamic and at t = 0 if static.
     save_every
@@ -66,27 +68,36 @@ def simulate(
     """
     integrator = integrator or EnergyMomentum()
     _refuse(formulation, integrator, load_rule, save_every)
-    disc = discretise(model, dynamic=True)
+    refuse_damping(model, integrator)
     t0 = float(start.t[-1]) if start is not None and start.kind == "dynamic" else 0.0
     steps = _count(t0, t_end, dt)
-    x = initial_state(disc, start, dynamic=True)
-    newton = Newton(disc, integrator.rule, Settings(tolerance), dt)
+    scheme = integrator.scheme(dt)
+    disc = discretise(model, scheme)
+    x = initial_state(disc, start, scheme)
+    newton = Newton(disc, scheme, Settings(tolerance))
+    external = disc.external(t0)
+    ends = scheme.rates is Rates.ALPHA
+    if ends and not has_history(start, scheme):
+        newton.accelerate(x, external)
+    acting = newton.applied(x, external)
     recorder = Recorder(disc, "dynamic")
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books, dt)
-    recorder.keep(t0, 1.0, newton.positions(x), x, books, (0.0, 0.0))
+    recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
     steady = not any(load.varies for load in disc.loads)
-    external = disc.external(t0)
     before = t0
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
         for k in range(1, steps + 1):
             before, t = t0 + (k - 1) * dt, t0 + k * dt
             if not steady:
-                if load_rule == "midpoint":
+                if ends:
+                    external = disc.external(t)
+                elif load_rule == "midpoint":
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
+            newton.begin(x)
             moved = bool(disc.prescribed) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
@@ -98,10 +109,12 @@ def simulate(
                     failed.advice,
                 )
                 break
-            books = newton.finish(x, external, external)
+            books = newton.finish(x, acting if ends else None)
+            if ends:
+                acting = books.applied.copy()
             ledger.add(books)
             if k % save_every == 0 or k == steps:
-                recorder.keep(t, 1.0, newton.positions(x), x, books, (ledger.work, ledger.prescribed))
+                recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
             if progress is not None:
                 energy = books.totals[0] + books.totals[1]
                 progress(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
@@ -110,8 +123,9 @@ def simulate(
     except ModelError as error:  # a function of time that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
     info = {
-        "integrator": repr(integrator), "formulation": repr(formulation or Directors()), "dt": dt, "t_end": t_end,
+        "integrator": repr(integrator), "formulation": repr(integrator.formulation), "dt": dt, "t_end": t_end,
         "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),
+        "element": repr(scheme.element),
     }  # fmt: skip
     result = recorder.result(status, ledger.audit(), info)
     if raise_on_failure and not result.success:
@@ -120,11 +134,18 @@ def simulate(
 
 
 def _refuse(formulation: object, integrator: object, load_rule: str, save_every: int) -> None:
-    if formulation is not None and not isinstance(formulation, Directors):
-        raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
-    if not hasattr(integrator, "rule"):
+    if not hasattr(integrator, "scheme"):
         raise ModelError(
-            f"{integrator!r} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator="
+            f"{integrator!r} is not an integrator", "use dx.EnergyMomentum(), dx.Midpoint(), …", "integrator="
+        )
+    needs: Formulation = integrator.formulation  # type: ignore[attr-defined]
+    if formulation is not None and not isinstance(formulation, Formulation):
+        raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
+    if formulation is not None and formulation != needs:
+        raise ModelError(
+            f"{integrator!r} does not go with {formulation!r}: {integrator.why}",  # type: ignore[attr-defined]
+            f"use formulation=dx.{needs!r}, or leave it out",
+            "formulation=",
         )
     if load_rule not in ("midpoint", "average"):
         raise ModelError(f"there is no load rule {load_rule!r}", 'use "midpoint" or "average"', "load_rule=")
@@ -134,6 +155,17 @@ def _refuse(formulation: object, integrator: object, load_rule: str, save_every:
             "save every 1, 2, … steps",
             "save_every=",
         )
+
+
+def refuse_damping(model: Model, integrator: Integrator) -> None:
+    """Raise ModelError when a section is damped and the integrator has no form for that."""
+    for rod in model.rods:
+        if np.any(rod.section.damping) and not integrator.damping:
+            raise ModelError(
+                f"the section of rod {rod.name!r} is damped, and {integrator!r} has no form for that",
+                "use a step of the midpoint family, e.g. dx.EnergyMomentum(), or leave damping= out",
+                "integrator=",
+            )
 
 
 def _count(t0: float, t_end: float, dt: float) -> int:

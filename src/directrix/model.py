@@ -62,20 +62,24 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class Force:
-    """Dead force on a node, global frame."""
+    """Dead force on a node, global frame; with ``follower`` it turns with the node, and its components are
+    those in the reference."""
 
     node: str
     value: VecOrFn
     constant: bool = False
+    follower: bool = False
 
 
 @dataclass(frozen=True)
 class Moment:
-    """Spatial moment on a node, global frame."""
+    """Spatial moment on a node, global frame; with ``follower`` it turns with the node, and its components are
+    those in the reference."""
 
     node: str
     value: VecOrFn
     constant: bool = False
+    follower: bool = False
 
 
 @dataclass(frozen=True)
@@ -242,16 +246,19 @@ class Model:
         return replace(self, prescribed=(*self.prescribed, Prescribed(node, u, t)))
 
     def force(self, node: str, f: Any, *, constant: bool = False, follower: bool = False) -> Self:
-        """Dead force on a node: a vector or a function of time."""
-        if follower:
-            raise ModelError(f"node {node!r}: follower forces are not there yet", "use a dead force")
-        node = text(node, "name of a node")
-        return replace(self, loads=(*self.loads, Force(node, _value(f, f"force on node {node!r}"), constant)))
+        """Force on a node: a vector or a function of time.
 
-    def moment(self, node: str, m: Any, *, constant: bool = False) -> Self:
-        """Spatial moment on a node: a vector or a function of time."""
+        Dead, or with ``follower`` turning with the node: F = R f, R its rotation from the reference.
+        """
         node = text(node, "name of a node")
-        return replace(self, loads=(*self.loads, Moment(node, _value(m, f"moment on node {node!r}"), constant)))
+        new = Force(node, _value(f, f"force on node {node!r}"), constant, follower)
+        return replace(self, loads=(*self.loads, new))
+
+    def moment(self, node: str, m: Any, *, constant: bool = False, follower: bool = False) -> Self:
+        """Spatial moment on a node: a vector or a function of time; with ``follower`` it turns with the node."""
+        node = text(node, "name of a node")
+        new = Moment(node, _value(m, f"moment on node {node!r}"), constant, follower)
+        return replace(self, loads=(*self.loads, new))
 
     def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
         """Dead force per unit reference length of a rod: a vector or a function of time."""

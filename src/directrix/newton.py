@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
-from directrix.formulations.directors import Rule
 from directrix.kernels import step as kernel
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
+from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
 
@@ -52,30 +52,31 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (8,) as in the kernels, strains, reactions."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6)."""
 
     totals: Array
     flow: Array
     strains: Array
     reaction: Array
+    applied: Array
 
 
 class Newton:
-    """Solves steps of one discretisation under one rule.
+    """Solves steps of one discretisation under one scheme.
 
-    ``x`` (n, 40) is a state as in :mod:`directrix.state`; :meth:`solve` moves x1, :meth:`finish` makes it x0.
+    ``x`` (≥ n, 40) is a state as in :mod:`directrix.state`; :meth:`solve` moves x1, :meth:`finish` makes it x0.
     """
 
-    def __init__(self, disc: Discretisation, rule: Rule, settings: Settings, dt: float = 0.0) -> None:
-        self.disc, self.rule, self.settings = disc, rule, settings
-        self.tables, self.work = tables_for(disc, rule), work_for(disc)
-        self.rate = 0.0 if rule.static else 2.0 / dt
-        self.globals = np.array([self.rate, 0.5 * self.rate])
+    def __init__(self, disc: Discretisation, scheme: Scheme, settings: Settings) -> None:
+        self.disc, self.scheme, self.settings = disc, scheme, settings
+        self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
+        self.globals = self.work.common
         # the compiled loops read 0/1
         self.mask = disc.fixed.astype(np.uint8)
         self.options = np.array(
             [
-                settings.tolerance, *_round_off(disc, 0.5 * self.rate**2), disc.length, settings.largest_turn,
+                settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
                 settings.iterations, float(settings.rotation == "cayley"),
             ]
         )  # fmt: skip
@@ -89,7 +90,7 @@ class Newton:
         return BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
-        """Move x1 until it balances ``external`` (n, 6).
+        """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
 
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
         first, at the rotations as they are.
@@ -157,15 +158,54 @@ class Newton:
             sizes.append(moved + turned)
         return sizes
 
-    def finish(self, x: Array, external: Array, before: Array) -> Books:
+    def applied(self, x: Array, external: Array) -> Array:
+        """The loads (n, 6) of ``external`` as they act on ``x``, with followers turned."""
+        kernel.internal_forces(self.tables, self.work, x, self.globals, external)
+        return self.work.applied.copy()
+
+    def accelerate(self, x: Array, external: Array) -> None:
+        """Put the accelerations that balance ``external`` into the rows of the nodes' history (ALPHA).
+
+        A step so short that the mass outweighs everything gives them; the balance at no step corrects them.
+        """
+        n, common = self.disc.nodes, self.globals.copy()
+        rates = x[:n, 24:36].copy()
+        omega = axial_rates(x[:n])
+        self.globals[:2] = 0.0, 1e10 / common[2] ** 2
+        x[:n, 24:27], x[:n, 30:33] = rates[:, :3], omega
+        x[:n, 27:30] = x[:n, 33:36] = 0.0
+        for _ in range(12):
+            kernel.assemble(self.tables, self.work, x, self.globals, external, self.mask, False)
+            du = self.sparse.solve(self.work.blocks, self.work.rhs)
+            if du is None:
+                break
+            self.work.du[:] = du
+            kernel.spread(self.tables, self.work)
+            step = self.globals[1] * self.work.step
+            x[:n, 27:30] += step[:, :3]
+            x[:n, 33:36] += np.einsum("nci,ni->nc", x[:n, 3:12].reshape(n, 3, 3), step[:, 3:])
+            if np.abs(step).max() <= 1e-14 * max(np.abs(x[:n, 27:30]).max(), np.abs(x[:n, 33:36]).max()):
+                break
+        for first in (0, 6):  # a0 and v̇0
+            x[n : 2 * n, first : first + 3], x[n : 2 * n, first + 3 : first + 6] = x[:n, 27:30], x[:n, 33:36]
+        x[:n, 24:36] = rates
+        self.globals[:] = common
+
+    def begin(self, x: Array) -> None:
+        """Prepare the rates of ``x`` for a step; before supports move."""
+        kernel.begin(int(self.scheme.rates), self.disc.nodes, x, self.globals)
+
+    def finish(self, x: Array, before: Array | None = None) -> Books:
         """Book the step and make x1 the start of the next one. The arrays are reused by the next call.
 
-        ``before`` are the loads of the step before: statics books work with the mean, dynamics gives ``external``.
+        ``before`` (n, 6) are the loads at the start of the step, where work is booked with the mean.
         """
-        kernel.finish(self.tables, self.work, x, external, before, self.mask, self.rate, self.totals, self.strains)
-        flow = self.work.flow
+        work = self.work
+        before = work.applied if before is None else before
+        kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        flow = work.flow
         if self.free:
-            flow[5:] += np.cross(self.origin, flow[2:5])
+            flow[5:8] += np.cross(self.origin, flow[2:5])
         books = self._about_zero()
         if self.free:
             self._follow(x)
@@ -173,7 +213,7 @@ class Newton:
 
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of a state."""
-        return x[:, :3] + self.origin
+        return x[: self.disc.nodes, :3] + self.origin
 
     def _follow(self, x: Array) -> None:
         """Measure the positions of a free model from a point that goes along with it.
@@ -184,13 +224,13 @@ class Newton:
         if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
             grain = 2.0 ** np.floor(np.log2(self.disc.length))
             shift = np.rint(x[0, :3] / grain) * grain
-            x[:, :3] -= shift
+            x[: self.disc.nodes, :3] -= shift
             self.origin += shift
 
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        return Books(self.totals, self.work.flow, self.strains, self.work.reaction)
+        return Books(self.totals, self.work.flow, self.strains, self.work.reaction, self.work.applied)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -203,6 +243,14 @@ class Newton:
 def turn_of(dots: float) -> float:
     """Angle [rad] between two neighbouring nodes from Σ_i d_i·d_i = 1 + 2 cos."""
     return float(np.arccos(np.clip(0.5 * (dots - 1.0), -1.0, 1.0)))
+
+
+def axial_rates(x: Array) -> Array:
+    """Angular velocities (n, 3) in the frames of the nodes of a state."""
+    n = len(x)
+    columns, rates = x[:, 3:12].reshape(n, 3, 3), x[:, 27:36].reshape(n, 3, 3)
+    omega = 0.5 * np.cross(columns, rates).sum(axis=1)
+    return np.einsum("nci,ni->nc", columns, omega)
 
 
 def _round_off(disc: Discretisation, inertia: float) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from directrix.audit import Audit
 from directrix.discretisation import Discretisation
+from directrix.formulations.layout import HISTORY
 from directrix.newton import Books
 from directrix.result import Energy, Momentum, Result, Status
 
@@ -33,24 +34,27 @@ class Recorder:
         self.iterations: list[int] = []
         self.started = time.perf_counter()
 
-    def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float]) -> None:
+    def keep(
+        self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float, float]
+    ) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
 
-        ``ledger`` is the work since the start: all of it, and the part of prescribed motion.
+        ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated.
         """
-        n = len(x)
-        rotations = [x[:, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
+        n = len(r)
+        rotations = [x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
         scalars = np.array([t, factor, *ledger])
         self.rows.append(
             (
-                scalars, r.copy(), rotations[0], x[:, 24:27].copy(), rotations[1],
+                scalars, r.copy(), rotations[0], x[:n, 24:27].copy(), rotations[1],
                 books.reaction.copy(), books.strains.copy(), books.totals.copy(),
+                x[n:, :HISTORY].copy(),
             )
         )  # fmt: skip
 
     def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
         """Everything saved so far as a Result."""
-        scalars, r, rotation, v, rates, reaction, strain, totals = (
+        scalars, r, rotation, v, rates, reaction, strain, totals, history = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
         about = {
@@ -75,12 +79,13 @@ class Recorder:
             reaction=reaction,
             strain=strain,
             force=self.disc.section_force(strain),
-            energy=Energy(totals[:, 1], totals[:, 0], scalars[:, 2], scalars[:, 3], np.zeros(len(r))),
+            energy=Energy(totals[:, 1], totals[:, 0], scalars[:, 2], scalars[:, 3], scalars[:, 4]),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
             status=status,
             audit=audit,
             info={**about, **info},
+            history=history,
         )
 
 

@@ -194,6 +194,8 @@ class Result:
     status : how it ended
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
+    history : (nt, rows, 12) what a formulation or a scheme carries beside the nodes, to go on with ``start=``; no rows
+        for most
     """
 
     kind: Literal["static", "dynamic"]
@@ -214,6 +216,7 @@ class Result:
     status: Status
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
 
     @property
     def success(self) -> bool:

@@ -6,7 +6,8 @@ EI1 = E ∫ξ2² dA. The Euler dyadic I_ρ,αβ = ∫ρ ξα ξβ dA (paper 31) 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from directrix.checks import choice, number
 from directrix.errors import ModelError
+from directrix.laws import Energy, Law
 
 Array = NDArray[np.float64]
 
@@ -55,6 +57,11 @@ class Section:
         "axial-first" (axial, shear 1, shear 2, torsion, bending 1, bending 2). Kept as "shear-axial".
     outline
         (k, 2) polygon of the section in (d1, d2), for pictures.
+    damping
+        (6, 6) viscous matrix C_v of Kelvin–Voigt damping, S += C_v dε/dt, symmetric and not negative; a number η
+        stands for η times the stiffness (a relaxation time). In the order of ``stiffness``. Used in dynamics.
+    law
+        Stored energy in place of ½ ε·Cε, see :meth:`hyperelastic`; ``stiffness`` is then that at no strain.
     assumptions
         Sentences on what a constructor assumed; ``check`` prints them.
 
@@ -69,6 +76,8 @@ class Section:
     I_rho: Array = field(default_factory=lambda: np.zeros((2, 2)))
     order: str = field(kw_only=True)
     outline: Array = field(default_factory=lambda: np.zeros((0, 2)), kw_only=True)
+    damping: Array = field(default_factory=lambda: np.zeros((6, 6)), kw_only=True)
+    law: Law | None = field(default=None, kw_only=True)
     assumptions: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -83,11 +92,12 @@ class Section:
         if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
             raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
         outline = np.array(self.outline, float).reshape(-1, 2)
-        for a in (c, outline):
+        viscous = _damping(self.damping, c, rows)
+        for a in (c, outline, viscous):
             a.setflags(write=False)
         for name, value in {
             "stiffness": c, "A_rho": number(self.A_rho, "A_rho", least=0.0), "I_rho": inertia,
-            "order": "shear-axial", "outline": outline,
+            "order": "shear-axial", "outline": outline, "damping": viscous,
         }.items():  # fmt: skip
             object.__setattr__(self, name, value)
 
@@ -103,24 +113,71 @@ class Section:
             self.A_rho,
             self.I_rho.tobytes(),
             self.outline.tobytes(),
+            self.damping.tobytes(),
+            self.law,
             self.assumptions,
         )
+
+    def damped(self, damping: ArrayLike) -> Self:
+        """The same section with Kelvin–Voigt damping, see ``damping``."""
+        return replace(self, damping=np.asarray(damping, float))
+
+    def forces(self, strain: Array) -> Array:
+        """Section forces (…, 6) from strains (…, 6)."""
+        return strain @ self.stiffness if self.law is None else self.law.forces(strain)
+
+    @classmethod
+    def hyperelastic(
+        cls, energy: Energy, *, A_rho: float = 0.0, I_rho: ArrayLike | None = None, metric: ArrayLike | None = None,
+        damping: ArrayLike = 0.0, outline: ArrayLike | None = None,
+    ) -> Self:  # fmt: skip
+        """A section by its stored energy per unit length, a plain function of the six strains.
+
+        Parameters
+        ----------
+        energy
+            ``energy(strain)`` with strain = (shear 1, shear 2, axial, bending 1, bending 2, torsion); see
+            :mod:`directrix.laws` for what it may use, and for two laws. Stress and tangent are derived; conserving
+            steps use the discrete gradient of Gonzalez (1996).
+        A_rho, I_rho
+            As in :class:`Section`.
+        metric
+            (6, 6) symmetric positive definite G of the discrete gradient; ∂²W/∂ε² at no strain unless given. A law
+            whose stiffness vanishes there needs one.
+        damping, outline
+            As in :class:`Section`.
+
+        Raises ModelError for an energy that cannot be recorded or has no positive definite metric.
+        """
+        given = None if metric is None else _matrix(metric, "the metric of a section", 6)
+        law = Law.record(energy, given)
+        if np.linalg.eigvalsh(_scaled(law.metric))[0] <= 1e-12:
+            raise ModelError(
+                "the stiffness of a section at no strain is not positive definite" if given is None
+                else "the metric of a section is not positive definite",
+                "give metric=, a (6, 6) matrix of the size of the stiffness in use",
+            )  # fmt: skip
+        inertia = np.zeros((2, 2)) if I_rho is None else np.asarray(I_rho, float)
+        return cls(
+            law.metric, A_rho, inertia, order="shear-axial", damping=np.asarray(damping, float), law=law,
+            outline=np.zeros((0, 2)) if outline is None else np.asarray(outline, float),
+        )  # fmt: skip
 
     @classmethod
     def from_moduli(
         cls, *, EA: float, GA1: float, GA2: float, EI1: float, EI2: float, GJ: float,
-        A_rho: float = 0.0, I_rho1: float = 0.0, I_rho2: float = 0.0,
+        A_rho: float = 0.0, I_rho1: float = 0.0, I_rho2: float = 0.0, damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """Principal stiffnesses; GA1, GA2 with their shear factors in them. I_rho1 = ∫ρ ξ1² dA sits on d1."""
         given = {"GA1": GA1, "GA2": GA2, "EA": EA, "EI1": EI1, "EI2": EI2, "GJ": GJ}
         c = np.diag([number(v, k, above=0.0) for k, v in given.items()])
         inertia = np.diag([number(I_rho1, "I_rho1", least=0.0), number(I_rho2, "I_rho2", least=0.0)])
-        return cls(c, A_rho, inertia, order="shear-axial")
+        return cls(c, A_rho, inertia, order="shear-axial", damping=np.asarray(damping, float))
 
     @classmethod
     def circle(
         cls, radius: float, *, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
-        shear_factor: float | None = None, torsion_constant: float | None = None,
+        shear_factor: float | None = None, torsion_constant: float | None = None, damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """A solid circle. Shear factor 6(1 + ν)/(7 + 6ν) (Cowper 1966), torsion constant πr⁴/2 (exact)."""
         r = number(radius, "radius", above=0.0)
@@ -133,13 +190,13 @@ class Section:
 
         return cls._shape(
             "circle", np.pi * r**2, inertia, inertia, 2.0 * inertia, "πr⁴/2", factor, "6(1+ν)/(7+6ν), Cowper 1966",
-            outline, E, nu, G, rho, shear_factor, torsion_constant,
+            outline, E, nu, G, rho, shear_factor, torsion_constant, damping,
         )  # fmt: skip
 
     @classmethod
     def tube(
         cls, outer: float, wall: float, *, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
-        shear_factor: float | None = None, torsion_constant: float | None = None,
+        shear_factor: float | None = None, torsion_constant: float | None = None, damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """A tube of outer radius ``outer``. Shear factor of Cowper (1966), torsion constant ½π(R⁴ − r⁴) (exact)."""
         R, wall = number(outer, "outer", above=0.0), number(wall, "wall", above=0.0)
@@ -158,13 +215,14 @@ class Section:
 
         return cls._shape(
             "tube", np.pi * (R**2 - r**2), inertia, inertia, 2.0 * inertia, "½π(R⁴−r⁴)", factor, "Cowper 1966",
-            R * np.stack([np.cos(angle), np.sin(angle)], -1), E, nu, G, rho, shear_factor, torsion_constant,
+            R * np.stack([np.cos(angle), np.sin(angle)], -1), E, nu, G, rho, shear_factor, torsion_constant, damping,
         )  # fmt: skip
 
     @classmethod
     def rectangle(
         cls, width: float, height: float, *, E: float, nu: float | None = None, G: float | None = None,
         rho: float = 0.0, shear_factor: float | None = None, torsion_constant: float | None = None,
+        damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """A rectangle, ``width`` along d1 and ``height`` along d2.
 
@@ -182,14 +240,14 @@ class Section:
 
         return cls._shape(
             "rectangle", b * h, b * h**3 / 12.0, h * b**3 / 12.0, float(J), "Saint-Venant's series", factor,
-            "10(1+ν)/(12+11ν), Cowper 1966", corners, E, nu, G, rho, shear_factor, torsion_constant,
+            "10(1+ν)/(12+11ν), Cowper 1966", corners, E, nu, G, rho, shear_factor, torsion_constant, damping,
         )  # fmt: skip
 
     @classmethod
     def _shape(
         cls, name: str, area: float, I1: float, I2: float, J: float, J_source: str, factor: Any, factor_source: str,
         outline: ArrayLike, E: float, nu: float | None, G: float | None, rho: float,
-        shear_factor: float | None, torsion_constant: float | None,
+        shear_factor: float | None, torsion_constant: float | None, damping: ArrayLike,
     ) -> Self:  # fmt: skip
         """I1 = ∫ξ2² dA (bending about d1), I2 = ∫ξ1² dA."""
         E, rho = number(E, "E", above=0.0), number(rho, "rho", least=0.0)
@@ -219,7 +277,18 @@ class Section:
         return cls(
             np.diag([GA, GA, E * area, E * I1, E * I2, GJ]), rho * area, np.diag([rho * I2, rho * I1]),
             order="shear-axial", outline=np.asarray(outline), assumptions=tuple(said),
+            damping=np.asarray(damping, float),
         )  # fmt: skip
+
+
+def _damping(given: ArrayLike, stiffness: Array, rows: Sequence[int]) -> Array:
+    """The viscous matrix in our order; a number is a multiple of the stiffness."""
+    if np.ndim(given) == 0:
+        return number(np.asarray(given).item(), "damping of a section", least=0.0) * stiffness
+    viscous = _matrix(given, "the damping of a section", 6)[np.ix_(rows, rows)]
+    if np.linalg.eigvalsh(viscous)[0] < -1e-12 * np.abs(viscous).max():
+        raise ModelError("the damping of a section is negative for some rate", "damping must take energy, not give it")
+    return viscous
 
 
 def _scaled(c: Array) -> Array:

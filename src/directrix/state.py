@@ -1,4 +1,5 @@
-"""The state of a run, (n, 40): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i); Δr = r1 − r0."""
+"""The state of a run, (≥ n, 40): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i), Δr = r1 − r0; then
+rows of history where a formulation or a scheme has one. A state is all there is: a copy is a way back."""
 
 from __future__ import annotations
 
@@ -7,44 +8,67 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation, rates_of
 from directrix.errors import ModelError
-from directrix.formulations.directors import PER_NODE
+from directrix.formulations.layout import HISTORY, PER_NODE
 from directrix.result import Result
 from directrix.rotations import exp
+from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
 
-__all__ = ["initial_state", "place_supports"]
+__all__ = ["has_history", "initial_state", "place_supports"]
 
 
-def initial_state(disc: Discretisation, start: Result | None, dynamic: bool) -> Array:
-    """(n, 40): the reference at rest or ``start``'s last instant, with the velocities of the model added.
+def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) -> Array:
+    """(≥ n, 40): the reference at rest or ``start``'s last instant, with the velocities of the model added.
 
-    Raises ModelError when ``start`` belongs to another mesh.
+    Behind the nodes come the rows of history: accelerations of the nodes (zero unless ``start`` has them), then the
+    Gauss points that carry a rotation. Raises ModelError when ``start`` belongs to another mesh, or has no history
+    and the formulation needs one.
     """
-    x = np.zeros((disc.nodes, PER_NODE))
-    rotation = np.broadcast_to(np.eye(3), (disc.nodes, 3, 3))
-    x[:, :3] = disc.mesh.r0
+    n = disc.nodes
+    history = [
+        np.zeros((n if scheme.nodal_rows else 0, HISTORY)),
+        *(g.history.reshape(-1, HISTORY) for g in disc.groups),
+    ]
+    rows = np.concatenate(history)
+    x = np.zeros((n + len(rows), PER_NODE))
+    x[n:, :HISTORY] = rows
+    nodes = x[:n]
+    rotation = np.broadcast_to(np.eye(3), (n, 3, 3))
+    nodes[:, :3] = disc.mesh.r0
     if start is not None:
-        if start.r.shape[1] != disc.nodes or not np.array_equal(start.mesh.r0, disc.mesh.r0):
+        if start.r.shape[1] != n or not np.array_equal(start.mesh.r0, disc.mesh.r0):
             raise ModelError(
-                f"start= holds another mesh ({start.r.shape[1]} nodes, the model has {disc.nodes})",
+                f"start= holds another mesh ({start.r.shape[1]} nodes, the model has {n})",
                 "start from a result of the same rods and elements",
             )
-        x[:, :3], rotation = start.r[-1], start.R[-1]
-        x[:, 24:27] = start.v[-1]
-        x[:, 27:36] = _columns(start.Rdot[-1])
-    x[:, 3:12] = _columns(rotation)
-    if dynamic and not (start is not None and start.kind == "dynamic"):
+        nodes[:, :3], rotation = start.r[-1], start.R[-1]
+        nodes[:, 24:27] = start.v[-1]
+        nodes[:, 27:36] = _columns(start.Rdot[-1])
+        if has_history(start, scheme):
+            x[n:, :HISTORY] = start.history[-1]
+        elif any(g.history.size for g in disc.groups):
+            raise ModelError(
+                "start= was computed by another formulation and holds no rotations at the Gauss points",
+                "start from a result of the same formulation",
+            )
+    nodes[:, 3:12] = _columns(rotation)
+    if not scheme.static and not (start is not None and start.kind == "dynamic"):
         v, omega = disc.initial_rates()
-        x[:, 24:27] += v
-        x[:, 27:36] += _columns(rates_of(rotation, omega))
-    x[:, 15:24] = x[:, 3:12]
+        nodes[:, 24:27] += v
+        nodes[:, 27:36] += _columns(rates_of(rotation, omega))
+    nodes[:, 15:24] = nodes[:, 3:12]
     return x
+
+
+def has_history(start: Result | None, scheme: Scheme) -> bool:
+    """True when ``start`` carries what ``scheme`` needs to go on beside positions and velocities."""
+    return start is not None and bool(start.history.size) and start.info.get("element") == repr(scheme.element)
 
 
 def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
     """Move prescribed nodes to where they are at ``t`` (statics: load factor); True when anything moved."""
-    before = x[:, :12].copy()
+    before = x[: disc.nodes, :12].copy()
     for node, displacement, rotation in disc.prescribed:
         if displacement is not None:
             to = disc.mesh.r0[node] + displacement(t)
@@ -52,7 +76,7 @@ def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
             x[node, :3] = to
         if rotation is not None:
             x[node, 3:12] = exp(rotation(t)).T.ravel()
-    return not np.array_equal(before, x[:, :12])
+    return not np.array_equal(before, x[: disc.nodes, :12])
 
 
 def _columns(rotation: Array) -> Array:

@@ -7,12 +7,16 @@ import numpy as np
 from directrix.audit import StaticBooks
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.formulations import Directors
-from directrix.formulations.directors import Rule
+from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
+from directrix.formulations.directors import DirectorStep, Rule
+from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
+from directrix.integrators import Formulation
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
+from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
 
 __all__ = ["solve_static"]
@@ -24,7 +28,7 @@ def solve_static(
     model: Model,
     steps: int = 10,
     *,
-    formulation: Directors | None = None,
+    formulation: Formulation | None = None,
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
@@ -44,7 +48,7 @@ def solve_static(
     steps
         Parts of the load path that are saved (the cuts between them are not, unless they are the last state).
     formulation
-        ``Directors()``.
+        ``Directors()`` (default); for comparison ``SimoVuQuoc()`` and ``CrisfieldJelenic()``.
     start
         Begin at the last state of this result instead of the reference.
     save_every
@@ -68,14 +72,15 @@ def solve_static(
             raise ModelError(f"{name} = {value} is not a positive whole number", "use 1, 2, …", f"{name}=")
     if rotation not in ("exponential", "cayley"):
         raise ModelError(f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation=")
-    disc = discretise(model, dynamic=False)
-    x = initial_state(disc, start, dynamic=False)
-    newton = Newton(disc, Rule(static=True), Settings(tolerance, rotation=rotation))
+    scheme = static_scheme(model, formulation)
+    disc = discretise(model, scheme)
+    x = initial_state(disc, start, scheme)
+    newton = Newton(disc, scheme, Settings(tolerance, rotation=rotation))
     recorder = Recorder(disc, "static")
     books = newton.books(x)
     ledger = StaticBooks(disc, books)
-    recorder.keep(0.0, 0.0, x[:, :3], x, books, (0.0, 0.0))
-    external = disc.external(0.0, 0.0)
+    recorder.keep(0.0, 0.0, x[: disc.nodes, :3], x, books, ledger.flows)
+    acting = newton.applied(x, disc.external(0.0, 0.0))
     done, reach, cuts, kept = 0.0, 1.0 / steps, 0, 0.0
     status = Status("done", "")
     try:
@@ -98,13 +103,13 @@ def solve_static(
                         why.advice,
                     )
                 continue
-            books = newton.finish(x, loads, external)
-            ledger.add(books, x[:, :3], loads)
-            external, done = loads, factor
+            books = newton.finish(x, acting)
+            acting, done = books.applied.copy(), factor
+            ledger.add(books, x[: disc.nodes, :3])
             reach = min(1.0 / steps, 2.0 * reach)
             part = round(done * steps)
             if factor == goal and (part % save_every == 0 or part == steps):
-                recorder.keep(done, done, x[:, :3], x, books, (ledger.work, ledger.prescribed))
+                recorder.keep(done, done, x[: disc.nodes, :3], x, books, ledger.flows)
                 kept = done
             if progress is not None:
                 progress(done, f"load factor {done:.6g}  {outcome.iterations} iterations")
@@ -113,15 +118,34 @@ def solve_static(
     except ModelError as error:  # a function of the load factor that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {done:.6g}: {error.what}.", f"{error.fix}.")
     if kept < done:
-        recorder.keep(done, done, x[:, :3], x, books, (ledger.work, ledger.prescribed))
+        recorder.keep(done, done, x[: disc.nodes, :3], x, books, ledger.flows)
     if status.success:
         cut = f", {cuts} of them cut" if cuts else ""
         status = Status("done", f"reached load factor 1 in {len(recorder.iterations)} steps{cut}.")
     info = {
         "formulation": repr(formulation or Directors()), "steps": steps, "tolerance": tolerance, "cuts": cuts,
-        "rotation": rotation,
+        "rotation": rotation, "element": repr(scheme.element),
     }  # fmt: skip
     result = recorder.result(status, ledger.audit(), info)
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
+
+
+def static_scheme(model: Model, formulation: Formulation | None) -> Scheme:
+    """Statics of a formulation; raises ModelError for one that does not go with the model."""
+    match formulation:
+        case None | Directors():
+            return Scheme(DirectorStep(Rule(static=True)))
+        case SimoVuQuoc():
+            return Scheme(SimoVuQuocStatics())
+        case CrisfieldJelenic():
+            for rod in model.rods:
+                if rod.order > 2:
+                    raise ModelError(
+                        f"rod {rod.name!r} has elements of order {rod.order}; CrisfieldJelenic() knows 1 and 2",
+                        "use order=1 or order=2",
+                        "formulation=",
+                    )
+            return Scheme(CrisfieldJelenicStatics())
+    raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")

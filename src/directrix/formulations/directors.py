@@ -15,27 +15,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from directrix.basis import gauss, lagrange
-from directrix.kernels.trace import Graph, Sym, cross, derivative, dot
+from directrix.formulations.layout import (
+    PER_NODE,
+    Coordinates,
+    Layout,
+    Scalar,
+    Vector,
+    points,
+    symmetric_times,
+)
+from directrix.formulations.so3 import add, combine, scale, sub
+from directrix.kernels.trace import cross, dot
 
-__all__ = [
-    "Directors",
-    "Layout",
-    "Rule",
-    "audit",
-    "internal",
-    "record_audit",
-    "record_step",
-    "residual",
-    "strains",
-]
-
-Scalar = Any
-Vector = Sequence[Scalar]
-Coordinates = Sequence[Sequence[Vector]]
-# Per node (r1, R1 e_i), (Δr, R0 e_i), (ṙ0, Ṙ0 e_i). The step Δr = r1 − r0 is kept by itself: far from the origin
-# the difference of two positions would lose the digits that momentum is made of.
-PER_NODE = 40  # 36 values, then room to a whole number of vectors
+__all__ = ["DirectorStep", "Directors", "Rule", "audit", "internal", "place", "residual", "strains"]
 
 
 @dataclass(frozen=True)
@@ -50,48 +42,18 @@ class Directors:
 
 @dataclass(frozen=True)
 class Rule:
-    """One row of the midpoint family: S* = C (w0 ε0 + w1 ε1 + wh ε½); ``static`` evaluates all at x1."""
+    """One row of the midpoint family: S* = C (w0 ε0 + w1 ε1 + wh ε½) + C_v Δε/Δt; ``static`` evaluates all at x1.
+
+    A section with a stored energy W takes ∂W at ε½ for wh = 1 and at ε1 in statics, else the discrete gradient.
+    ``dissipative`` adds ½ χ1 C Δε, χ1 in the third of the common scalars; ``inertia`` False leaves M to the nodes.
+    """
 
     w0: float = 0.0
     w1: float = 1.0
     wh: float = 0.0
     static: bool = False
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What kind of element, and where its parameters are.
-
-    ``nn`` nodes; ``points`` Gauss points for the stresses; ``principal`` when stiffness and rotary inertia
-    are diagonal. Parameters in order: reference directors (9 nn), stiffness (6 or the 21 of the upper
-    triangle by rows), dξ/dS at the stress points, their reference strains (6 each), ∫N_a N_b dS
-    (upper triangle by rows), A_ρ, I_ρ1, I_ρ2 (, I_ρ12).
-    """
-
-    nn: int
-    points: int
-    principal: bool
-
-    @property
-    def sizes(self) -> tuple[int, int, int, int, int, int]:
-        """Lengths of the parameter blocks."""
-        pairs = self.nn * (self.nn + 1) // 2
-        small = self.principal
-        return 9 * self.nn, 6 if small else 21, self.points, 6 * self.points, pairs, 3 if small else 4
-
-    @property
-    def size(self) -> int:
-        """Number of parameters."""
-        return sum(self.sizes)
-
-    def split(self, p: Sequence[Scalar]) -> list[Sequence[Scalar]]:
-        """The parameter blocks of ``p``."""
-        parts: list[Sequence[Scalar]] = []
-        first = 0
-        for n in self.sizes:
-            parts.append(p[first : first + n])
-            first += n
-        return parts
+    dissipative: bool = False
+    inertia: bool = True
 
 
 def place(x: Sequence[Scalar], d0: Sequence[Scalar]) -> tuple[Vector, Vector, Vector, Vector]:
@@ -101,14 +63,10 @@ def place(x: Sequence[Scalar], d0: Sequence[Scalar]) -> tuple[Vector, Vector, Ve
     return tuple(x[:3]), directors[0], directors[1], directors[2]
 
 
-def _sum(weights: Sequence[float], vectors: Sequence[Vector]) -> Vector:
-    return tuple(sum(float(w) * v[k] for w, v in zip(weights, vectors, strict=True)) for k in range(3))
-
-
 def _at_point(q: Coordinates, n: Sequence[float], dn: Sequence[float]) -> tuple[list[Vector], list[Vector]]:
     """Directors (d1, d2, d3) and the slopes (r, d1, d2, d3),ξ at a Gauss point."""
-    d = [_sum(n, [node[i] for node in q]) for i in (1, 2, 3)]
-    slope = [_sum(dn, [node[i] for node in q]) for i in range(4)]
+    d = [combine(n, [node[i] for node in q]) for i in (1, 2, 3)]
+    slope = [combine(dn, [node[i] for node in q]) for i in range(4)]
     return d, slope
 
 
@@ -122,18 +80,6 @@ def strains(q: Coordinates, n: Sequence[float], dn: Sequence[float], inverse_j: 
     return [inverse_j * e for e in (dot(d[0], r), dot(d[1], r), dot(d[2], r), bend1, bend2, twist)]
 
 
-def _scale(a: Scalar, v: Vector) -> Vector:
-    return tuple(a * c for c in v)
-
-
-def _sub(a: Vector, b: Vector) -> Vector:
-    return tuple(s - t for s, t in zip(a, b, strict=True))
-
-
-def _add(*vectors: Vector) -> Vector:
-    return tuple(sum(v[k] for v in vectors) for k in range(3))
-
-
 def internal(
     q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]
 ) -> list[list[Vector]]:
@@ -141,38 +87,70 @@ def internal(
     d, slope = _at_point(q, n, dn)
     t = [w * c for c in s]
     half = [0.5 * c for c in t[3:]]
-    on_r = _add(*(_scale(t[i], d[i]) for i in range(3)))
+    on_r = add(*(scale(t[i], d[i]) for i in range(3)))
     on_d: list[Vector] = []
     on_slope: list[Vector] = []
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         # ½ Ω_k carries d_j·d_i' − d_i·d_j', and ½ Ω_j carries d_i·d_k' − d_k·d_i'
-        on_d.append(_add(_scale(t[i], slope[0]), _scale(half[j], slope[1 + k]), _scale(-half[k], slope[1 + j])))
-        on_slope.append(_add(_scale(half[k], d[j]), _scale(-half[j], d[k])))
+        on_d.append(add(scale(t[i], slope[0]), scale(half[j], slope[1 + k]), scale(-half[k], slope[1 + j])))
+        on_slope.append(add(scale(half[k], d[j]), scale(-half[j], d[k])))
     return [
-        [_scale(float(dn[a]), on_r)]
-        + [_add(_scale(float(n[a]), on_d[i]), _scale(float(dn[a]), on_slope[i])) for i in range(3)]
+        [scale(float(dn[a]), on_r)]
+        + [add(scale(float(n[a]), on_d[i]), scale(float(dn[a]), on_slope[i])) for i in range(3)]
         for a in range(len(q))
     ]
 
 
-def _stress(c: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
-    if len(c) == 6:
-        return [c[i] * e[i] for i in range(6)]
-    full: dict[tuple[int, int], Scalar] = {}
-    for i in range(6):
-        for j in range(i, 6):
-            full[i, j] = full[j, i] = c[i * 6 - i * (i - 1) // 2 + j - i]
-    return [sum(full[i, j] * e[j] for j in range(6)) for i in range(6)]
+def algorithmic_stress(
+    layout: Layout, rule: Rule, c: Sequence[Scalar], viscous: Sequence[Scalar], e: Sequence[Sequence[Scalar]],
+    dt: Sequence[Scalar],
+) -> list[Scalar]:  # fmt: skip
+    """S* from the strains ``e`` at x0, x1 and x½ (formulation 3)."""
+    weights = (rule.w0, rule.w1, rule.wh)
+    if layout.law is None:
+        mixed = [sum(w * part[k] for w, part in zip(weights, e, strict=True) if w) for k in range(6)]
+        s = symmetric_times(c, mixed)
+    elif rule.static or rule.wh == 1.0:
+        s = layout.law.stress(e[1] if rule.static else e[2])
+    else:
+        s = discrete_gradient(layout, e[0], e[1])
+    if rule.static:
+        return s
+    delta = sub6(e[1], e[0])
+    if rule.dissipative:
+        s = [a + 0.5 * dt[2] * b for a, b in zip(s, symmetric_times(c, delta), strict=True)]
+    if viscous:
+        s = [a + dt[1] * b for a, b in zip(s, symmetric_times(viscous, delta), strict=True)]
+    return s
 
 
-def _points(layout: Layout) -> list[tuple[float, Sequence[float], Sequence[float]]]:
-    xi, w = gauss(layout.points)
-    n, dn = lagrange(layout.nn - 1, xi)
-    return [(float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(layout.points)]
+def discrete_gradient(layout: Layout, e0: Sequence[Scalar], e1: Sequence[Scalar]) -> list[Scalar]:
+    """S* with S*·Δε = ΔW (Gonzalez 1996), the metric G being the stiffness at no strain.
+
+    As Δε → 0 the quotient 0/0 goes over into S̄: where Δε·GΔε is below 1e-10 of the energies it fades out, and what
+    it would have corrected there, of third order in Δε, is below round-off.
+    """
+    law = layout.law
+    assert law is not None
+    delta = sub6(e1, e0)
+    mean = law.stress([0.5 * (a + b) for a, b in zip(e0, e1, strict=True)])
+    metric = law.metric
+    pushed = [sum(float(metric[i, j]) * delta[j] for j in range(6) if metric[i, j]) for i in range(6)]
+    w0, w1 = law.energy(e0), law.energy(e1)
+    gap = w1 - w0 - sum(s * d for s, d in zip(mean, delta, strict=True))
+    size = sum(p * d for p, d in zip(pushed, delta, strict=True))
+    floor = 1e-10 * (w0 + w1)
+    factor = gap * size / (size * size + floor * floor + 1e-300)
+    return [s + factor * p for s, p in zip(mean, pushed, strict=True)]
 
 
-def _mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinates) -> list[list[Vector]]:
+def sub6(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+    """a − b for strains."""
+    return [s - t for s, t in zip(a, b, strict=True)]
+
+
+def mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinates) -> list[list[Vector]]:
     """M v for one element, per node four vectors: A_ρ on r, the Euler dyadic on (d1, d2), nothing on d3."""
     m, inertia = parts[4], parts[5]
     out: list[list[Vector]] = []
@@ -181,12 +159,12 @@ def _mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinate
         for b in range(layout.nn):
             i, j = min(a, b), max(a, b)
             weights.append(m[i * layout.nn - i * (i - 1) // 2 + j - i])
-        mean = [_add(*(_scale(weights[b], v[b][i]) for b in range(layout.nn))) for i in range(3)]
-        on_d1, on_d2 = _scale(inertia[1], mean[1]), _scale(inertia[2], mean[2])
+        mean = [add(*(scale(weights[b], v[b][i]) for b in range(layout.nn))) for i in range(3)]
+        on_d1, on_d2 = scale(inertia[1], mean[1]), scale(inertia[2], mean[2])
         if not layout.principal:
-            on_d1 = _add(on_d1, _scale(inertia[3], mean[2]))
-            on_d2 = _add(on_d2, _scale(inertia[3], mean[1]))
-        out.append([_scale(inertia[0], mean[0]), on_d1, on_d2])
+            on_d1 = add(on_d1, scale(inertia[3], mean[2]))
+            on_d2 = add(on_d2, scale(inertia[3], mean[1]))
+        out.append([scale(inertia[0], mean[0]), on_d1, on_d2])
     return out
 
 
@@ -206,39 +184,38 @@ def residual(
     """
     parts = layout.split(p)
     step = [node[0] for node in q0]
-    q0 = [[_sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
+    q0 = [[sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
     middle = (
         q1
         if rule.static
-        else [[_scale(0.5, _add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
+        else [[scale(0.5, add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
     )
     total: list[list[Vector]] = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
-    for g, (w, n, dn) in enumerate(_points(layout)):
+    for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
-        mixed = [0.0] * 6
-        for weight, q in ((rule.w0, q0), (rule.w1, q1), (rule.wh, middle)):
-            if weight:
-                mixed = [m + weight * e for m, e in zip(mixed, strains(q, n, dn, inverse_j), strict=True)]
-        s = _stress(parts[1], [m - e for m, e in zip(mixed, e0, strict=True)])
+        at = [sub6(strains(q, n, dn, inverse_j), e0) for q in (q0, q1, middle)]
+        s = algorithmic_stress(layout, rule, parts[1], parts[6], at, dt)
         force = internal(middle, n, dn, w, s)
-        total = [[_add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
-    if not rule.static:
+        total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
+    if not rule.static and rule.inertia:
         # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0, by the very 2/Δt that updates ẋ: no bias in long runs
         rate = [
             [
                 tuple(dt[1] * (dt[0] * d - 2.0 * c) for d, c in zip(delta, v, strict=True))
-                for delta, v in zip(
-                    [dr, *(_sub(b, a) for a, b in zip(x0[1:], x1[1:], strict=True))], rates, strict=True
-                )
+                for delta, v in zip([dr, *(sub(b, a) for a, b in zip(x0[1:], x1[1:], strict=True))], rates, strict=True)
             ]
             for dr, x0, x1, rates in zip(step, q0, q1, v0, strict=True)
         ]
-        for node, inertia in zip(total, _mass_times(layout, parts, rate), strict=True):
-            node[:3] = [_add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
+        for node, inertia in zip(total, mass_times(layout, parts, rate), strict=True):
+            node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
+    return on_nodes(middle, total)
+
+
+def on_nodes(q: Coordinates, f: Sequence[Sequence[Vector]]) -> list[Scalar]:
+    """Π(d)ᵀ f: force and moment Σ d_i × f_i per node (paper 37, 55)."""
     out: list[Scalar] = []
-    for q, f in zip(middle, total, strict=True):
-        moment = _add(*(cross(q[i], f[i]) for i in (1, 2, 3)))
-        out += [*f[0], *moment]
+    for x, part in zip(q, f, strict=True):
+        out += [*part[0], *add(*(cross(x[i], part[i]) for i in (1, 2, 3)))]
     return out
 
 
@@ -248,60 +225,58 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     parts = layout.split(p)
     stored: Scalar = 0.0
     tail: list[Scalar] = []
-    for g, (w, n, dn) in enumerate(_points(layout)):
+    for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
         e = [a - b for a, b in zip(strains(q, n, dn, inverse_j), e0, strict=True)]
-        s = _stress(parts[1], e)
-        stored = stored + (0.5 * w) / inverse_j * sum(a * b for a, b in zip(s, e, strict=True))
+        stored = stored + w / inverse_j * layout.energy(parts[1], e)
         d = _at_point(q, n, dn)[0]
         gram = sum((dot(d[i], d[i]) - 1.0) * (dot(d[i], d[i]) - 1.0) for i in range(3))
         gram = gram + 2.0 * sum(dot(d[i], d[j]) * dot(d[i], d[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
         tail += [gram, *e]
-    momentum = _mass_times(layout, parts, v)
+    momentum = mass_times(layout, parts, v)
     kinetic = 0.5 * sum(dot(m[i], rate[i]) for m, rate in zip(momentum, v, strict=True) for i in range(3))
-    linear = _add(*(m[0] for m in momentum))
-    angular = _add(*(cross(x[i], m[i]) for m, x in zip(momentum, q, strict=True) for i in range(3)))
+    linear = add(*(m[0] for m in momentum))
+    angular = add(*(cross(x[i], m[i]) for m, x in zip(momentum, q, strict=True) for i in range(3)))
     turn = [sum(dot(a[i], b[i]) for i in (1, 2, 3)) for a, b in itertools.pairwise(q)]
     return [stored, kinetic, *linear, *angular, *turn, *tail]
 
 
-def _coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first: int) -> list[Any]:
+def coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first: int) -> list[Any]:
+    """Director coordinates per node, from the values of the nodes that begin at ``first``: 0 x1, 12 x0, 24 ẋ."""
     return [place(x[PER_NODE * a + first : PER_NODE * a + first + 12], d0[9 * a : 9 * a + 9]) for a in range(layout.nn)]
 
 
-def record_step(layout: Layout, rule: Rule, tangent: bool) -> tuple[Graph, list[Sym], list[int]]:
-    """Residual (6 nn), and behind it the tangent if asked for: blocks (6, 6) by rows, for each node b (increments)
-    and each node a (forces). The results come in the order to compute them, with the place of each.
-
-    The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
-    """
-    graph = Graph()
-    x = graph.inputs("x", PER_NODE * layout.nn)
-    p = graph.inputs("p", layout.size)
-    dt = graph.inputs("g", 2)
-    d0 = layout.split(p)[0]
-    q1, q0, v0 = (_coordinates(layout, x, d0, first) for first in (0, 12, 24))
-    out = residual(layout, rule, q1, q0, v0, p, dt)
-    size = 6 * layout.nn
-    results, places = list(out), list(range(size))
-    # column after column: what one direction computes is used while it is at hand
-    for b, (node, before) in enumerate(zip(q1, q0, strict=True)) if tangent else ():
-        for k in range(6):
-            if k < 3:
-                seed = {node[0][k]: 1.0, before[0][k]: 1.0}
-            else:
-                e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
-                seed = {d[c]: turned for d in node[1:] for c, turned in enumerate(cross(e, d))}
-            results += derivative(graph, out, seed)
-            places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
-    return graph, results, places
+def reference_strains(layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Strains at the stress points of the reference coordinates ``q``."""
+    at = zip(points(layout.nn, layout.points), inverse_j, strict=True)
+    return [strains(q, n, dn, j) for (_, n, dn), j in at]
 
 
-def record_audit(layout: Layout) -> tuple[Graph, list[Sym], list[int]]:
-    """The books of one element at (x1, ẋ in the place of the rate)."""
-    graph = Graph()
-    x = graph.inputs("x", PER_NODE * layout.nn)
-    p = graph.inputs("p", layout.size)
-    d0 = layout.split(p)[0]
-    out = audit(layout, _coordinates(layout, x, d0, 0), _coordinates(layout, x, d0, 24), p)
-    return graph, out, list(range(len(out)))
+@dataclass(frozen=True)
+class DirectorStep:
+    """The director element under a rule of the midpoint family or in statics (an :class:`Element`)."""
+
+    rule: Rule
+    sampled = False
+
+    def rows(self, layout: Layout) -> int:
+        """No history."""
+        return 0
+
+    def reference(self, layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
+        """See :func:`reference_strains`."""
+        return reference_strains(layout, q, inverse_j)
+
+    def step(
+        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """Forces, and per node what moves and what turns with it."""
+        d0 = layout.split(p)[0]
+        q1, q0, v0 = (coordinates(layout, x, d0, first) for first in (0, 12, 24))
+        out = residual(layout, self.rule, q1, q0, v0, p, g)
+        return out, [(a[0], b[0]) for a, b in zip(q1, q0, strict=True)], [a[1:] for a in q1]
+
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """See :func:`audit`."""
+        d0 = layout.split(p)[0]
+        return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)

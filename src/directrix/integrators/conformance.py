@@ -9,7 +9,7 @@ import numpy as np
 
 from directrix.curves import line
 from directrix.dynamics import simulate
-from directrix.integrators.midpoint_family import Integrator
+from directrix.integrators.protocol import Integrator
 from directrix.model import Model
 from directrix.section import Section
 

@@ -22,7 +22,7 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 
-from directrix.kernels.trace import Graph, Sym, needed
+from directrix.kernels.trace import FUNCTIONS, Graph, Sym, needed
 
 __all__ = ["LANES", "STRIDE", "cache_dir", "kernel_address", "padded", "text_address"]
 
@@ -125,6 +125,8 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: s
             return put(f"shufflevector {vec} {one}, {vec} undef, <{lanes} x i32> zeroinitializer")
         if op == "in":
             return load("%p", b * lanes, vec) if a == "p" else group(b // lanes)[b % lanes]
+        if op in FUNCTIONS:
+            return put(f"call {vec} @llvm.{op}.v{lanes}f64({vec} {text[int(a)]})")
         flags = "" if op == "div" else "contract "
         return put(f"{instruction[op]} {flags}{vec} {text[int(a)]}, {text[b]}")
 
@@ -137,13 +139,9 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: s
         columns = [put(f"load {vec}, ptr {pointer('%scratch', first + k, vec)}, align 64") for k in range(lanes)]
         for lane, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
             lines.append(f"store {vec} {value}, ptr {pointer('%out', lane * row + first)}, align 8")
-    return "\n".join([*lines, "ret void", "}"])
-
-
-@cache
-def _engine() -> Any:
-    # the engine takes the machine it is given as its own
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+    used = {op for op, _, _ in graph.ops} & FUNCTIONS.keys()
+    declared = [f"declare {vec} @llvm.{op}.v{lanes}f64({vec})" for op in sorted(used)]
+    return "\n".join([*declared, *lines, "ret void", "}"])
 
 
 def _object(text: str) -> bytes:
@@ -165,6 +163,7 @@ def _sources() -> bytes:
 
 
 _addresses: dict[str, int] = {}
+_engines: dict[str, Any] = {}
 
 
 Recorded = tuple[Graph, Sequence[Sym], Sequence[int]]
@@ -193,9 +192,12 @@ def text_address(description: str, text: Callable[[str], str]) -> int:
     except OSError:
         code = _object(text(name))
         _keep(path, code)
-    engine = _engine()
+    # An engine a kernel: one that has finished with a kernel that calls exp or the like gives no address for the next.
+    # The engine takes the machine it is given as its own.
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
     engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
     engine.finalize_object()
+    _engines[name] = engine
     _addresses[name] = engine.get_function_address(name)
     return _addresses[name]
 

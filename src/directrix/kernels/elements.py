@@ -1,18 +1,20 @@
 """Loops over elements: gather lanes, call the kernel, condense interior nodes, scatter.
 
-``tables`` (see :class:`directrix.discretisation.Tables`) are flat arrays for all groups of equal elements;
-``x`` (n, 40) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each.
+``tables`` (see :class:`directrix.kernels.tables.Tables`) are flat arrays for all groups of equal elements;
+``x`` (≥ n, 40) holds per node (r1, R1), (Δr, R0) and the rate, twelve numbers each, and behind the nodes the rows of
+history. ``external`` (n, 12) are forces and moments on the nodes, dead ones (6) and followers (6) in the node's frame.
 """
 # pyright: basic, reportCallIssue=false
 
 from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled
+from directrix.kernels.nodes import nodal_terms, orthonormal
 
-__all__ = ["assemble", "books", "internal_forces"]
+__all__ = ["assemble", "books", "commit", "internal_forces"]
 
 # columns of tables.head
-STEP, RESIDUAL, AUDIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT = range(12)
+STEP, RESIDUAL, AUDIT, COMMIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY = range(15)
 
 
 @compiled
@@ -94,10 +96,10 @@ def assemble(tables, work, x, g, external, mask, frozen):
     Fills ``work.internal`` (n, 6), ``work.blocks`` and ``work.rhs`` = −(internal − external) on the free
     components. ``frozen`` also holds all rotations. Returns the element of a vanishing interior pivot, or −1.
     """
-    internal, blocks, rhs = work.internal, work.blocks, work.rhs
-    internal[:] = 0.0
+    internal, blocks, rhs, applied = work.internal, work.blocks, work.rhs, work.applied
     blocks[:] = 0.0
     rhs[:] = 0.0
+    by_nodes = nodal_terms(tables, work, x, g, external)
     flat_internal, flat_blocks, out = internal.reshape(-1), blocks.reshape(-1), work.out
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
@@ -107,7 +109,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
         stride = -(-(nd + nd * nd) // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * (nn + head[ROWS])
             call_kernel(head[STEP], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
                 e, from_ = first + lane, lane * stride
@@ -126,7 +128,10 @@ def assemble(tables, work, x, g, external, mask, frozen):
                                     k[6 * a + i, 6 * b + j] = out[at + 6 * i + j]
                     for i in range(6, last):
                         node = conn[i // 6]
-                        r[i] = external[node, i % 6] - out[from_ + i]
+                        r[i] = applied[node, i % 6] - internal[node, i % 6]
+                        if by_nodes:
+                            for j in range(6):
+                                k[i, 6 * (i // 6) + j] += work.node_block[node, i % 6, j]
                         if frozen and i % 6 > 2:
                             r[i] = 0.0
                             for j in range(nd):
@@ -159,15 +164,19 @@ def assemble(tables, work, x, g, external, mask, frozen):
                         blocks[b, i, j] = 0.0
                 blocks[tables.diagonal[row], i, i] = 1.0
             else:
-                rhs[row, i] += external[node, i] - internal[node, i]
+                rhs[row, i] += applied[node, i] - internal[node, i]
+                if by_nodes:
+                    for j in range(6):
+                        blocks[tables.diagonal[row], i, j] += work.node_block[node, i, j]
     return -1
 
 
 @compiled
-def internal_forces(tables, work, x, g):
-    """Residual alone: ``work.internal`` (n, 6); ``work.scale``, the largest force and moment of an element there."""
+def internal_forces(tables, work, x, g, external):
+    """Residual alone: ``work.internal`` and ``work.applied`` (n, 6); ``work.scale``, the largest force and moment of
+    an element."""
     internal, scale, out = work.internal, work.scale, work.out
-    internal[:] = 0.0
+    nodal_terms(tables, work, x, g, external)
     force = moment = 0.0
     flat = internal.reshape(-1)
     for group in range(tables.head.shape[0]):
@@ -176,7 +185,7 @@ def internal_forces(tables, work, x, g):
         stride = -(-6 * nn // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * (nn + head[ROWS])
             call_kernel(head[RESIDUAL], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
                 at = lane * stride
@@ -185,6 +194,30 @@ def internal_forces(tables, work, x, g):
                     for i in range(at + 6 * a, at + 6 * a + 3):
                         force, moment = max(force, abs(out[i])), max(moment, abs(out[i + 3]))
     scale[0], scale[1] = force, moment
+
+
+@compiled
+def commit(tables, work, x, g):
+    """Write the history at the end of a step; rotations in it stay orthonormal."""
+    out = work.out
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        rows, ne = head[ROWS], head[COUNT]
+        if rows == 0:
+            continue
+        stride = -(-12 * rows // LANES) * LANES
+        for block in range(-(-ne // LANES)):
+            first, count = block * LANES, min(LANES, ne - block * LANES)
+            parameters = head[PAR] + block * LANES * head[SIZE]
+            places = head[AT] + block * LANES * (head[NN] + rows)
+            call_kernel(head[COMMIT], x, tables.at, places, tables.par, parameters, g, out)
+            for lane in range(count):
+                for k in range(rows):
+                    at = lane * stride + 12 * k
+                    orthonormal(out[at : at + 9])
+                    to = head[HISTORY] + (first + lane) * rows + k
+                    for i in range(12):
+                        x[to, i] = out[at + i]
 
 
 @compiled
@@ -203,8 +236,8 @@ def books(tables, work, x, totals, strains):
         stride = -(-(7 + nn + 7 * points) // LANES) * LANES
         for block in range(-(-ne // LANES)):
             first, count = block * LANES, min(LANES, ne - block * LANES)
-            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
-            call_kernel(head[AUDIT], x, tables.at, places, tables.par, parameters, work.dt, out)
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * (nn + head[ROWS])
+            call_kernel(head[AUDIT], x, tables.at, places, tables.par, parameters, work.common, out)
             for lane in range(count):
                 e = first + lane
                 at = lane * stride

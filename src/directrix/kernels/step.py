@@ -9,8 +9,10 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from directrix.kernels.chain import solve_chain
-from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, internal_forces
+from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, internal_forces
 from directrix.kernels.jit import compiled
+from directrix.kernels.nodes import orthonormal
+from directrix.kernels.rates import NONE, begin, end
 
 __all__ = [
     "CONVERGED",
@@ -20,6 +22,7 @@ __all__ = [
     "SOLVE",
     "advance",
     "assemble",
+    "begin",
     "books",
     "finish",
     "move",
@@ -123,20 +126,21 @@ def advance(tables, work, x, frozen, cayley, limit):
 
 
 @compiled
-def _imbalance(work, external, mask, tolerance, floor):
+def _imbalance(work, mask, tolerance, floor):
     """Largest unbalanced force or moment over what is allowed, and its node."""
+    applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
-    for node in range(external.shape[0]):
+    for node in range(applied.shape[0]):
         for i in range(3):
-            scale_f = max(scale_f, abs(external[node, i]))
-            scale_m = max(scale_m, abs(external[node, 3 + i]))
+            scale_f = max(scale_f, abs(applied[node, i]))
+            scale_m = max(scale_m, abs(applied[node, 3 + i]))
     allowed_f = max(tolerance * scale_f, floor[0])
     allowed_m = max(tolerance * scale_m, floor[1])
     worst, at = 0.0, 0
-    for node in range(external.shape[0]):
+    for node in range(applied.shape[0]):
         for i in range(6):
             if not mask[node, i]:
-                off = abs(work.internal[node, i] - external[node, i]) / (allowed_f if i < 3 else allowed_m)
+                off = abs(work.internal[node, i] - applied[node, i]) / (allowed_f if i < 3 else allowed_m)
                 if not off <= worst:
                     worst, at = off, node
     return worst, at
@@ -153,8 +157,8 @@ def newton(tables, work, x, g, external, mask, options, control):
     while True:
         if control[PHASE] == 0:
             if control[ITERATION] >= allowed:
-                internal_forces(tables, work, x, g)
-                control[BLAME] = _imbalance(work, external, mask, tolerance, floor)[1]
+                internal_forces(tables, work, x, g, external)
+                control[BLAME] = _imbalance(work, mask, tolerance, floor)[1]
                 return LIMIT
             control[ITERATION] += 1
             bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
@@ -180,8 +184,8 @@ def newton(tables, work, x, g, external, mask, options, control):
         if turned > LARGE_TURN:
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
-            internal_forces(tables, work, x, g)
-            worst, at = _imbalance(work, external, mask, tolerance, floor)
+            internal_forces(tables, work, x, g, external)
+            worst, at = _imbalance(work, mask, tolerance, floor)
             control[BLAME] = at
             if worst <= 1.0:
                 return CONVERGED
@@ -190,19 +194,20 @@ def newton(tables, work, x, g, external, mask, options, control):
 
 
 @compiled
-def finish(tables, work, x, external, before, mask, rate, totals, strains):
-    """Books of a finished step, and x1 becomes x0 (Δr = 0).
+def finish(tables, work, x, g, before, mask, totals, strains):
+    """Books of a finished step, and x1 becomes x0 (Δr = 0); history and rates go along.
 
-    ``rate`` = 2/Δt gives ẋ1 = rate (x1 − x0) − ẋ0; 0 means statics: rates stay, and work is booked with the mean
-    of the forces ``before`` and at the end of the step. ``work.flow`` receives the work of the loads, the work
-    at the supports, Σ force (3) and Σ moment about the origin (3) at x½ of loads and supports together;
+    Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
+    support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
+    Σ moment about the origin (3) at x½ of loads and supports together, and what the scheme dissipated;
     ``work.reaction`` (n, 6) the support forces.
     """
-    internal, reaction = work.internal, work.reaction
+    internal, reaction, applied = work.internal, work.reaction, work.applied
+    nodes = applied.shape[0]
+    static = tables.rates == NONE
     done, at_supports = 0.0, 0.0
-    force, moment = np.zeros(3), np.zeros(3)
-    turn, old = np.zeros(3), np.empty(9)
-    for node in range(external.shape[0]):
+    force, moment, turn = np.zeros(3), np.zeros(3), np.zeros(3)
+    for node in range(nodes):
         y = x[node]
         # ϑ of R1 = cay(ϑ) R0: with A = R1 R0ᵀ, ϑ = 2 axial(A − Aᵀ) / (1 + tr A)
         trace, t0, t1, t2 = 1.0, 0.0, 0.0, 0.0
@@ -217,32 +222,44 @@ def finish(tables, work, x, external, before, mask, rate, totals, strains):
             delta = y[12 + i] if i < 3 else turn[i - 3]
             held = 0.0
             if mask[node, i]:
-                held = internal[node, i] - external[node, i]
-                at_supports += (held if rate > 0.0 else 0.5 * (held + reaction[node, i])) * delta
+                held = internal[node, i] - applied[node, i]
+                at_supports += (0.5 * (held + reaction[node, i]) if static else held) * delta
             reaction[node, i] = held
-            done += 0.5 * (external[node, i] + before[node, i]) * delta
+            done += 0.5 * (applied[node, i] + before[node, i]) * delta
         for i in range(3):
             # Σ F and Σ (M + r½ × F)
             j, k = (i + 1) % 3, (i + 2) % 3
-            force[i] += external[node, i] + reaction[node, i]
-            moment[i] += external[node, 3 + i] + reaction[node, 3 + i]
-            moment[i] += (y[j] - 0.5 * y[12 + j]) * (external[node, k] + reaction[node, k])
-            moment[i] -= (y[k] - 0.5 * y[12 + k]) * (external[node, j] + reaction[node, j])
-        # R ← R (3 − RᵀR)/2: round-off of many products does not pile up
-        for i in range(9):
-            old[i] = y[3 + i]
-        for k in range(0, 9, 3):
-            g0 = old[k] * old[0] + old[k + 1] * old[1] + old[k + 2] * old[2]
-            g1 = old[k] * old[3] + old[k + 1] * old[4] + old[k + 2] * old[5]
-            g2 = old[k] * old[6] + old[k + 1] * old[7] + old[k + 2] * old[8]
-            for i in range(3):
-                own = old[k + i]
-                y[3 + k + i] = own - 0.5 * (g0 * old[i] + g1 * old[3 + i] + g2 * old[6 + i] - own)
+            force[i] += applied[node, i] + reaction[node, i]
+            moment[i] += applied[node, 3 + i] + reaction[node, 3 + i]
+            moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
+            moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
+    commit(tables, work, x, g)
+    for node in range(nodes):
+        orthonormal(x[node, 3:12])
+    lost = end(tables.rates, nodes, x, g, tables.lumped)
+    for node in range(nodes):
         for i in range(12):
-            if rate > 0.0:
-                y[24 + i] = rate * (y[12 + i] if i < 3 else y[i] - y[12 + i]) - y[24 + i]
-            y[12 + i] = 0.0 if i < 3 else y[i]
+            x[node, 12 + i] = 0.0 if i < 3 else x[node, i]
     work.flow[0], work.flow[1] = done, at_supports
     for i in range(3):
         work.flow[2 + i], work.flow[5 + i] = force[i], moment[i]
+    damped = tables.damping.shape[0] > 0
+    if damped:
+        work.before[:] = strains
     books(tables, work, x, totals, strains)
+    if damped:
+        lost += _dissipated(tables.damping, work.before, strains)
+    work.flow[8] = lost
+
+
+@compiled
+def _dissipated(damping, before, after):
+    """Σ Δε·Q Δε over the stress points, ``damping`` (stations, 6, 6) = Q with the weights of the points in it."""
+    total = 0.0
+    for point in range(damping.shape[0]):
+        for i in range(6):
+            for j in range(6):
+                total += (
+                    (after[point, i] - before[point, i]) * damping[point, i, j] * (after[point, j] - before[point, j])
+                )
+    return total

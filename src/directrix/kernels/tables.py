@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.basis import gauss
 from directrix.discretisation import Discretisation, Group
-from directrix.formulations.directors import PER_NODE, Rule, record_audit, record_step
+from directrix.formulations.element import Committed, record_audit, record_commit, record_step
+from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.kernels.compile import LANES, kernel_address, padded
 from directrix.kernels.elimination import elimination_address
+from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,13 +38,20 @@ class Tables(NamedTuple):
     rowptr: Ints
     diagonal: Ints
     dest: Ints
+    rates: int
+    half: bool
+    lumped: Array
+    damping: Array
 
 
 class Work(NamedTuple):
     """What the loops write: overwritten by every call."""
 
     internal: Array
+    applied: Array
     reaction: Array
+    node_block: Array
+    before: Array
     scale: Array
     blocks: Array
     rhs: Array
@@ -54,7 +64,7 @@ class Work(NamedTuple):
     eliminated: Array
     back: Array
     flow: Array
-    dt: Array
+    common: Array
 
 
 def _in_lanes(parameters: Any) -> Any:
@@ -65,32 +75,39 @@ def _in_lanes(parameters: Any) -> Any:
     return padded.reshape(blocks, LANES, size).transpose(0, 2, 1).ravel()
 
 
-def _kernels(group: Group, rule: Rule) -> tuple[int, int, int]:
-    layout = group.layout
-    about = f"{layout} {rule}"
+def _kernels(group: Group, scheme: Scheme) -> tuple[int, int, int, int]:
+    layout, element = group.layout, scheme.element
+    about = f"{layout} {element}"
     return (
-        kernel_address(f"step {about}", lambda: record_step(layout, rule, tangent=True)),
-        kernel_address(f"residual {about}", lambda: record_step(layout, rule, tangent=False)),
-        kernel_address(f"audit {layout}", lambda: record_audit(layout)),
+        kernel_address(f"step {about}", lambda: record_step(element, layout, tangent=True)),
+        kernel_address(f"residual {about}", lambda: record_step(element, layout, tangent=False)),
+        kernel_address(f"audit {about}", lambda: record_audit(element, layout)),
+        kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
+        if element.rows(layout)
+        else 0,
     )
 
 
-def tables_for(disc: Discretisation, rule: Rule) -> Tables:
+def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     """Compile or fetch the kernels and lay the arrays out flat."""
     head: list[tuple[int, ...]] = []
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
     at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
+    history = disc.nodes * (2 if scheme.nodal_rows else 1)
     for group in disc.groups:
         ne, nn = group.conn.shape
+        rows = scheme.element.rows(group.layout)
         lanes = _in_lanes(group.parameters)
         head.append(
             (
-                *_kernels(group, rule), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
-                at["element"], at["back"], at["at"],
+                *_kernels(group, scheme), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
+                at["element"], at["back"], at["at"], rows, history,
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
-        places.append(_in_lanes(PER_NODE * group.conn))
+        read = np.concatenate([group.conn, history + rows * np.arange(ne)[:, None] + np.arange(rows)], axis=1)
+        places.append(_in_lanes(PER_NODE * read))
+        history += rows * ne
         par.append(lanes)
         station.append(group.station)
         for key, n in (
@@ -116,18 +133,44 @@ def tables_for(disc: Discretisation, rule: Rule) -> Tables:
         pattern.rowptr,
         pattern.diagonal,
         pattern.dest.ravel(),
+        int(scheme.rates),
+        scheme.rates not in (Rates.NONE, Rates.ALPHA),
+        disc.lumped if scheme.lumped else np.zeros((0, 13)),
+        _damping(disc, scheme),
     )
 
 
-def work_for(disc: Discretisation) -> Work:
+def _damping(disc: Discretisation, scheme: Scheme) -> Array:
+    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does (formulation 3)."""
+    out = np.zeros((disc.stations, 6, 6))
+    if scheme.static or scheme.rates is Rates.ALPHA:
+        return out[:0]
+    chi = scheme.common[2]
+    for group in disc.groups:
+        parts = group.layout.split(group.parameters.T)  # type: ignore[arg-type]
+        weights = gauss(group.layout.points)[1]
+        unit: Any = np.eye(6)[:, :, None]
+        matrix = 0.5 * chi * np.array(symmetric_times(parts[1], unit))
+        if len(parts[6]):
+            matrix = matrix + scheme.common[1] * np.array(symmetric_times(parts[6], unit))
+        for k, w in enumerate(weights):
+            out[group.station + k] = (w / parts[2][k] * matrix).transpose(2, 0, 1)
+    return out if np.any(out) else out[:0]
+
+
+def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     """Workspace for one run."""
     n, rows = disc.nodes, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups))
+    history = max(HISTORY * scheme.element.rows(g.layout) for g in disc.groups)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
     inside = sum(6 * (g.layout.nn - 2) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
+        applied=np.zeros((n, 6)),
         reaction=np.zeros((n, 6)),
+        node_block=np.zeros((n, 6, 6)),
+        before=np.zeros((disc.stations, 6)),
         scale=np.zeros(2),
         blocks=np.zeros((int(disc.pattern.rowptr[-1]) + 1, 6, 6)),
         rhs=np.zeros((rows, 6)),
@@ -139,6 +182,6 @@ def work_for(disc: Discretisation) -> Work:
         r=np.zeros(6 * most),
         eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
         back=np.zeros((inside, 13)),
-        flow=np.zeros(8),
-        dt=np.zeros(2),
+        flow=np.zeros(9),
+        common=np.array(scheme.common),
     )

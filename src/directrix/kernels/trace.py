@@ -1,21 +1,33 @@
 """Scalar expressions, recorded: an element is written once, as plain Python over scalars.
 
-Run with :class:`Sym` arguments, such a function leaves a list of operations (+ − × ÷ only) with common
-subexpressions merged. From that list come the tangent (:func:`derivative`), the SIMD machine code
-(:mod:`directrix.kernels.compile`) and the operation counts. Run with float, complex or SymPy numbers the
-same function is its own reference.
+Run with :class:`Sym` arguments, such a function leaves a list of operations (+ − × ÷ and the functions of
+``FUNCTIONS``) with common subexpressions merged. From that list come the tangent (:func:`derivative`), the SIMD
+machine code (:mod:`directrix.kernels.compile`) and the operation counts. Run with float, complex or SymPy numbers
+the same function is its own reference. Elements need no function but a square root (``x ** 0.5``, which every
+kind of scalar has); the others are there for the energies that users write with NumPy's names.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-__all__ = ["Graph", "Sym", "cross", "derivative", "dot", "needed"]
+import numpy as np
 
-Op = Literal["in", "const", "add", "sub", "mul", "div"]
+__all__ = ["FUNCTIONS", "Graph", "Sym", "cross", "derivative", "dot", "needed", "replay"]
+
+Op = Literal["in", "const", "add", "sub", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh"]
 Number = float | int
+
+FUNCTIONS: dict[str, Callable[[Any], Any]] = {
+    "sqrt": lambda x: x**0.5,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tanh": np.tanh,
+}
 
 
 @dataclass(eq=False)
@@ -90,10 +102,18 @@ class Graph:
             return a
         return self._intern("div", a.index, b.index)
 
+    def call(self, function: Op, a: Sym) -> Sym:
+        """``function(a)``, one of FUNCTIONS."""
+        x = self.value_of(a.index)
+        return self._intern(function, a.index) if x is None else self.const(FUNCTIONS[function](x))
+
 
 @dataclass(frozen=True, slots=True)
 class Sym:
-    """One recorded scalar; supports + − × ÷ and unary minus with itself and with numbers."""
+    """One recorded scalar; supports + − × ÷, unary minus and powers with itself and with numbers.
+
+    ``numpy.exp(sym)`` and the other names in FUNCTIONS find the methods below.
+    """
 
     graph: Graph
     index: int
@@ -126,6 +146,40 @@ class Sym:
     def __neg__(self) -> Sym:
         return self.graph.sub(self.graph.const(0.0), self)
 
+    def __pow__(self, power: Number) -> Sym:
+        if power == 0.5:
+            return self.sqrt()
+        if power == int(power):
+            whole = self.graph.const(1.0)
+            for _ in range(abs(int(power))):
+                whole = whole * self
+            return whole if power >= 0 else 1.0 / whole
+        return (self.log() * power).exp()
+
+    def sqrt(self) -> Sym:
+        return self.graph.call("sqrt", self)
+
+    def exp(self) -> Sym:
+        return self.graph.call("exp", self)
+
+    def log(self) -> Sym:
+        return self.graph.call("log", self)
+
+    def sin(self) -> Sym:
+        return self.graph.call("sin", self)
+
+    def cos(self) -> Sym:
+        return self.graph.call("cos", self)
+
+    def tanh(self) -> Sym:
+        return self.graph.call("tanh", self)
+
+    def sinh(self) -> Sym:
+        return 0.5 * (self.exp() - (-self).exp())
+
+    def cosh(self) -> Sym:
+        return 0.5 * (self.exp() + (-self).exp())
+
 
 def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """a · b of two 3-tuples of any scalars."""
@@ -157,7 +211,8 @@ def needed(graph: Graph, outputs: Iterable[Sym], done: set[int] | None = None) -
                 order.append(index)
                 continue
             stack.append((index, True))
-            stack.append((b, False))
+            if b >= 0:
+                stack.append((b, False))
             stack.append((int(a), False))
     return order
 
@@ -180,7 +235,7 @@ def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Nu
         if da is None and db is None:
             continue
         da, db = da or zero, db or zero
-        x, y = Sym(graph, int(a)), Sym(graph, b)
+        x, y, f = Sym(graph, int(a)), Sym(graph, b), Sym(graph, index)
         match op:
             case "add":
                 value = da + db
@@ -188,8 +243,44 @@ def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Nu
                 value = da - db
             case "mul":
                 value = da * y + x * db
-            case _:
-                value = (da - Sym(graph, index) * db) / y
+            case "div":
+                value = (da - f * db) / y
+            case "sqrt":
+                value = 0.5 * da / f
+            case "exp":
+                value = da * f
+            case "log":
+                value = da / x
+            case "sin":
+                value = da * x.cos()
+            case "cos":
+                value = -da * x.sin()
+            case "tanh":
+                value = da * (1.0 - f * f)
         if graph.value_of(value.index) != 0.0:
             d[index] = value
     return [d.get(out.index, zero) for out in outputs]
+
+
+def replay(graph: Graph, outputs: Sequence[Sym], inputs: Callable[[str, int], Any]) -> list[Any]:
+    """The outputs for other scalars: ``inputs(array, place)`` gives them, of any kind that the operations know."""
+    values: dict[int, Any] = {}
+    for index in needed(graph, outputs):
+        op, a, b = graph.ops[index]
+        match op:
+            case "const":
+                value: Any = float(a)
+            case "in":
+                value = inputs(str(a), b)
+            case "add":
+                value = values[int(a)] + values[b]
+            case "sub":
+                value = values[int(a)] - values[b]
+            case "mul":
+                value = values[int(a)] * values[b]
+            case "div":
+                value = values[int(a)] / values[b]
+            case _:
+                value = FUNCTIONS[op](values[int(a)])
+        values[index] = value
+    return [values[out.index] for out in outputs]

@@ -96,10 +96,13 @@ def _section(table: sec.Section) -> Section:
                 A_rho=table.rho * table.A,
                 I_rho1=table.rho * table.I2,
                 I_rho2=table.rho * table.I1,
+                damping=table.damping,
             )
         case sec.Matrix():
             inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
-            return Section(np.array(table.stiffness), table.A_rho, inertia, order=table.order)
+            return Section(
+                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(table.damping)
+            )
 
 
 def _given(table: Strict) -> Mapping[str, Any]:
@@ -151,9 +154,9 @@ def _load(load: m.Load, model: Model) -> Model:
     value: VecOrFn = load.value if load.time is None else Scaled(load.value, load.time)
     match load:
         case m.Force():
-            return model.force(load.node, value, constant=load.constant)
+            return model.force(load.node, value, constant=load.constant, follower=load.follower)
         case m.Moment():
-            return model.moment(load.node, value, constant=load.constant)
+            return model.moment(load.node, value, constant=load.constant, follower=load.follower)
         case m.Distributed():
             return model.distributed(load.rod, value, constant=load.constant)
         case _:

@@ -21,7 +21,8 @@ __all__ = ["describe"]
 CONVENTIONS = (
     "components of strain and section force: shear 1, shear 2, axial, bending 1, bending 2, torsion",
     "EI1 is bending about d1; I_rho1 = ∫ρ ξ1² dA sits on d1 and belongs with EI2",
-    "forces are dead; forces, moments, rotation vectors (rad, applied on the left) are in the global frame",
+    "forces, moments, rotation vectors (rad, applied on the left) are in the global frame; forces keep their direction "
+    "unless they are followers",
     "angular momentum is about the origin; units are yours, as long as they are consistent",
 )
 
@@ -60,10 +61,11 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
 def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     do, every = case.analysis, case.output.save_every
     if isinstance(do, Statics):
-        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed"
+        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed; formulation {do.formulation}"
     else:
         yield f"dynamics: t = 0 → {do.t_end:g} in {round(do.t_end / do.dt)} steps of {do.dt:g}"
-        yield f"  {do.integrator} step, loads by the {do.load_rule} rule"
+        given = "".join(f", {k} = {v:g}" for k, v in do.parameters.items())
+        yield f"  {do.integrator} step{given}, loads by the {do.load_rule} rule"
     kept = "every step" if every == 1 else f"every {every} steps and the last"
     yield f"  tolerance {do.tolerance:g}; kept: {kept}"
     free = 6 * disc.nodes - int(disc.fixed.sum())
@@ -82,6 +84,8 @@ def _section(section: Section) -> Iterator[str]:
     inertia = section.I_rho
     inertias = {"I_rho1": inertia[0, 0], "I_rho2": inertia[1, 1], "I_rho12": inertia[0, 1]}
     yield "    " + ", ".join(f"{k} = {v:.6g}" for k, v in {"A_rho": section.A_rho, **inertias}.items())
+    if np.any(section.damping):
+        yield "    viscous, diagonal: " + ", ".join(f"{v:.6g}" for v in np.diag(section.damping))
     yield from (f"    assumed: {sentence}" for sentence in section.assumptions)
 
 
@@ -99,7 +103,9 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
                 what = f"force per length along {load.rod}"
             case Gravity():
                 what = "gravity"
-        yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}"
+        yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}" + (
+            ", turns with the node" if isinstance(load, Force | Moment) and load.follower else ""
+        )
     if model.prescribed:
         yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
     for p in model.prescribed:

@@ -17,11 +17,12 @@ from pydantic import ValidationError
 from directrix.errors import InputError, ModelError
 from directrix.schema.build import build_model, placed
 from directrix.schema.messages import Source, explain
-from directrix.schema.models import CaseFile, Dynamics, Output, Scheme, Statics
+from directrix.schema.models import PARAMETERS, CaseFile, Dynamics, Output, Scheme, Statics
 from directrix.schema.places import json_places, toml_places
 
 if TYPE_CHECKING:
     from directrix.discretisation import Discretisation
+    from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
     from directrix.result import Result
 
@@ -54,29 +55,53 @@ class Case:
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         from directrix.discretisation import discretise
+        from directrix.dynamics import refuse_damping
+        from directrix.statics import static_scheme
 
         self.model.check()
-        return discretise(self.model, dynamic=isinstance(self.analysis, Dynamics))
+        do = self.analysis
+        if isinstance(do, Statics):
+            return discretise(self.model, static_scheme(self.model, self._formulation(do)))
+        refuse_damping(self.model, self._integrator(do))
+        return discretise(self.model, self._integrator(do).scheme(do.dt))
 
     def run(self, progress: Callable[[float, str], None] | None = None) -> Result:
         """Solve it. Raises ModelError; a run that fails on the way is a Result with ``success`` False."""
         from directrix.dynamics import simulate
-        from directrix.integrators import EnergyMomentum, Midpoint
         from directrix.statics import solve_static
 
         do, save_every = self.analysis, self.output.save_every
         if isinstance(do, Statics):
-            return solve_static(self.model, do.steps, tolerance=do.tolerance, save_every=save_every, progress=progress)
+            return solve_static(
+                self.model,
+                do.steps,
+                formulation=self._formulation(do),
+                tolerance=do.tolerance,
+                save_every=save_every,
+                progress=progress,
+            )
         return simulate(
             self.model,
             do.t_end,
             do.dt,
-            integrator=EnergyMomentum() if do.integrator == "energy-momentum" else Midpoint(),
+            integrator=self._integrator(do),
             load_rule=do.load_rule,
             tolerance=do.tolerance,
             save_every=save_every,
             progress=progress,
         )
+
+    @staticmethod
+    def _formulation(do: Statics) -> Formulation:
+        from directrix.formulations import BY_NAME
+
+        return BY_NAME[do.formulation]()
+
+    @staticmethod
+    def _integrator(do: Dynamics) -> Integrator:
+        from directrix.integrators import BY_NAME
+
+        return BY_NAME[do.integrator](**do.parameters)
 
     @property
     def scheme(self) -> str:
@@ -91,7 +116,8 @@ class Case:
             )
         if integrator == self.scheme:
             raise InputError(f"the case runs under {integrator} already", "name another scheme", str(self.source))
-        return replace(self, analysis=self.analysis.model_copy(update={"integrator": integrator}))
+        own: dict[str, Any] = {name: None for names in PARAMETERS.values() for name in names}
+        return replace(self, analysis=self.analysis.model_copy(update={**own, "integrator": integrator}))
 
 
 def load_case(path: str | PathLike[str]) -> Case:

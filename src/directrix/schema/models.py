@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from directrix.schema.base import Name, Positive, Strict, Tolerance, Vector, Vectors, refuse
+from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
 from directrix.schema.functions import Time, VectorTable
 from directrix.schema.sections import Section
 
@@ -179,15 +179,19 @@ class Load(Strict):
 
 
 class Force(Load):
-    """Dead force at a node."""
+    """Force at a node."""
 
     node: Name
+    follower: bool = False
+    """It turns with the node; ``value`` is then its direction in the reference."""
 
 
 class Moment(Load):
     """Spatial moment at a node."""
 
     node: Name
+    follower: bool = False
+    """It turns with the node; ``value`` is then its direction in the reference."""
 
 
 class Distributed(Load):
@@ -219,11 +223,24 @@ class RigidVelocity(Strict):
 # --- what to do
 
 
-Scheme = Literal["energy-momentum", "midpoint"]
+Scheme = Literal[
+    "energy-momentum", "midpoint", "energy-dissipating", "generalized-alpha", "hilber-hughes-taylor", "newmark",
+    "simo-tarnow-doblare",
+]  # fmt: skip
+Formulation = Literal["directors", "simo-vu-quoc", "crisfield-jelenic"]
+PARAMETERS: dict[str, tuple[str, ...]] = {
+    "energy-dissipating": ("chi_stress", "chi_velocity"),
+    "generalized-alpha": ("rho_inf",),
+    "hilber-hughes-taylor": ("alpha",),
+    "newmark": ("beta", "gamma"),
+}
 
 
 class Statics(Strict):
     """Equilibria while the load factor goes from 0 to 1."""
+
+    formulation: Formulation = "directors"
+    """The others are there for comparison."""
 
     steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10
     """Equal parts of the load path; they are cut when needed."""
@@ -238,10 +255,36 @@ class Dynamics(Strict):
     dt: Positive
     """Time step; ``t_end`` must be a whole number of them."""
     integrator: Scheme = "energy-momentum"
+    chi_stress: NotNegative | None = None
+    """energy-dissipating: what a step takes from changes of strain; 0.5 unless given."""
+    chi_velocity: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
+    """energy-dissipating: what a step takes from changes of speed, on a lumped mass; 0 unless given."""
+    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    """generalized-alpha: spectral radius at infinity; 0.8 unless given."""
+    alpha: Annotated[float, Field(ge=0.0, le=1.0 / 3.0)] | None = None
+    """hilber-hughes-taylor: 0.1 unless given."""
+    beta: Positive | None = None
+    """newmark: ¼ unless given."""
+    gamma: Positive | None = None
+    """newmark: ½ unless given."""
     load_rule: Literal["midpoint", "average"] = "midpoint"
     """A load acts over a step with its value at the middle, or with the mean of its end values."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """What the file says of the integrator's own parameters."""
+        names = PARAMETERS.get(self.integrator, ())
+        return {k: getattr(self, k) for k in names if getattr(self, k) is not None}
+
+    @model_validator(mode="after")
+    def _own_parameters(self) -> Self:
+        for owner, names in PARAMETERS.items():
+            for name in names:
+                if owner != self.integrator and getattr(self, name) is not None:
+                    raise refuse(f"{name} belongs to {owner}, not to {self.integrator}", "leave it out", name)
+        return self
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Self:

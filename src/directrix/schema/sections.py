@@ -14,7 +14,14 @@ Row2 = Annotated[tuple[float, float], Field(strict=False)]
 Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
 
 
-class Material(Strict):
+class Damped(Strict):
+    """What every section may have."""
+
+    damping: NotNegative = 0.0
+    """Kelvin–Voigt damping: viscous matrix over stiffness, a time. Used in dynamics."""
+
+
+class Material(Damped):
     """What the sections with a shape need of the material."""
 
     E: Positive
@@ -90,7 +97,7 @@ class Properties(Material):
     """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
 
 
-class Moduli(Strict):
+class Moduli(Damped):
     """Principal stiffnesses."""
 
     kind: Literal["moduli"]
@@ -110,7 +117,7 @@ class Moduli(Strict):
     """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
 
 
-class Matrix(Strict):
+class Matrix(Damped):
     """Full 6×6 stiffness."""
 
     kind: Literal["matrix"]

@@ -217,7 +217,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in HISTORIES:
+    for name in (*HISTORIES, "history"):
         _put(root, name, getattr(result, name))
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
@@ -257,6 +257,7 @@ def _read_result(root: Any) -> Result:
         name=text("name"),
         mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes),
         **{name: root[name][()] for name in HISTORIES},
+        history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),

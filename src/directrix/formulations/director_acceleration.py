@@ -1,0 +1,83 @@
+"""The director element with accelerations as unknowns, in balance at the end of a step (Lie-group schemes)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from directrix.formulations.directors import (
+    audit,
+    coordinates,
+    internal,
+    mass_times,
+    on_nodes,
+    reference_strains,
+    sub6,
+)
+from directrix.formulations.directors import strains as director_strains
+from directrix.formulations.layout import PER_NODE, Coordinates, Layout, Scalar, Vector, points
+from directrix.formulations.so3 import add, from_body, log, scale, times, transposed
+from directrix.kernels.trace import cross
+
+__all__ = ["DirectorAcceleration"]
+
+
+@dataclass(frozen=True)
+class DirectorAcceleration:
+    """Π(d1)ᵀ { M ẍ1 + ∫ Bᵀ(x1) S(x1) dS }, an :class:`Element`.
+
+    With q = (Δr, Θ), R1 = R0 exp(Θ): velocity c_v q + v*, acceleration c_a q + a*. In the place of the rates a node
+    holds v*, a* (translation), Ω*, A* (rotation, body frame); ``g`` = (c_v, c_a). d̈_i = R1 (Ω×(Ω×d_i⁰) + A×d_i⁰).
+    """
+
+    sampled = False
+
+    def rows(self, layout: Layout) -> int:
+        """No history at Gauss points."""
+        return 0
+
+    def reference(self, layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
+        """See :func:`reference_strains`."""
+        return reference_strains(layout, q, inverse_j)
+
+    def step(
+        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """See :class:`Element`."""
+        parts = layout.split(p)
+        d0 = parts[0]
+        q = coordinates(layout, x, d0, 0)
+        total: list[list[Vector]] = []
+        turning: list[Sequence[Vector]] = []
+        moving: list[Sequence[Vector]] = []
+        second: list[list[Vector]] = []
+        for a in range(layout.nn):
+            y = x[PER_NODE * a : PER_NODE * a + PER_NODE]
+            step, before, after = (y[12:15], _columns(y, 15), _columns(y, 3))
+            turn = log(times(transposed(before), after))
+            omega = add(scale(g[0], turn), y[30:33])
+            spin = add(scale(g[1], turn), y[33:36])
+            bent = [
+                from_body(after, add(cross(omega, cross(omega, d)), cross(spin, d)))
+                for d in (d0[9 * a + 3 * i : 9 * a + 3 * i + 3] for i in range(2))
+            ]
+            second.append([add(scale(g[1], step), y[27:30]), *bent])
+            moving.append((q[a][0], step))
+            turning.append(after)
+            total.append([(0.0, 0.0, 0.0)] * 4)
+        for k, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
+            e = sub6(director_strains(q, n, dn, parts[2][k]), parts[3][6 * k : 6 * k + 6])
+            force = internal(q, n, dn, w, layout.stress(parts[1], e))
+            total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
+        for node, inertia in zip(total, mass_times(layout, parts, second), strict=True):
+            node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
+        return on_nodes(q, total), moving, turning
+
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """See :func:`directrix.formulations.directors.audit`; rates are then (ṙ, Ṙ) as everywhere."""
+        d0 = layout.split(p)[0]
+        return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
+
+
+def _columns(y: Sequence[Scalar], first: int) -> list[Vector]:
+    return [y[first + 3 * c : first + 3 * c + 3] for c in range(3)]

@@ -1,0 +1,101 @@
+"""What the machine code of an element is recorded from, and the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
+from directrix.kernels.trace import Graph, Sym, cross, derivative
+
+__all__ = ["COMMON", "Committed", "Element", "record_audit", "record_commit", "record_step"]
+
+COMMON = 8  # scalars that all elements of a run share
+Recorded = tuple[Graph, list[Sym], list[int]]
+
+
+class Element(Protocol):
+    """An element under a rule: a frozen value whose ``repr`` names its kernels. Plain Python over scalars.
+
+    ``x`` holds the values of the element's nodes, ``PER_NODE`` each, and behind them its rows of history;
+    ``p`` the parameters of :class:`Layout`; ``g`` scalars common to all elements.
+    """
+
+    sampled: bool
+    """True when the parameters include dS/dξ at the inertia points."""
+
+    def rows(self, layout: Layout) -> int:
+        """Rows of history of an element: Gauss points that carry a rotation."""
+        ...
+
+    def reference(self, layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
+        """What is subtracted from the strains: per stress point six values, from the reference coordinates."""
+        ...
+
+    def step(
+        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """Force and moment on every node; per node the vectors that move with it and those that turn with it."""
+        ...
+
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """W, T, L (3), J (3), per pair of neighbouring nodes Σ d_i·d_i, per stress point the loss of
+        orthonormality and the six strains."""
+        ...
+
+
+class Committed(Element, Protocol):
+    """An element with history."""
+
+    def initial(self, layout: Layout, q: Coordinates) -> list[Scalar]:
+        """The rows of history in the reference, ``HISTORY`` values each."""
+        ...
+
+    def commit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """The rows of history at the end of a step, ``HISTORY`` values each."""
+        ...
+
+
+def _inputs(element: Element, layout: Layout) -> tuple[Graph, list[Sym], list[Sym], list[Sym]]:
+    graph = Graph()
+    x = graph.inputs("x", PER_NODE * (layout.nn + element.rows(layout)))
+    return graph, x, graph.inputs("p", layout.size), graph.inputs("g", COMMON)
+
+
+def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
+    """Residual (6 nn), and behind it the tangent if asked for: blocks (6, 6) by rows, for each node b (increments)
+    and each node a (forces). The results come in the order to compute them, with the place of each.
+
+    The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
+    """
+    graph, x, p, g = _inputs(element, layout)
+    out, moving, turning = element.step(layout, x, p, g)
+    size = 6 * layout.nn
+    results, places = list(out), list(range(size))
+    # column after column: what one direction computes is used while it is at hand
+    for b in range(layout.nn) if tangent else ():
+        for k in range(6):
+            if k < 3:
+                seed = {v[k]: 1.0 for v in moving[b]}
+            else:
+                e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
+                seed = {d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))}
+            results += derivative(graph, out, seed)
+            places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
+    return graph, results, places
+
+
+def record_audit(element: Element, layout: Layout) -> Recorded:
+    """The books of one element at (x1, ẋ in the place of the rate)."""
+    graph, x, p, _ = _inputs(element, layout)
+    out = element.audit(layout, x, p)
+    return graph, out, list(range(len(out)))
+
+
+def record_commit(element: Committed, layout: Layout) -> Recorded:
+    """The history at the end of a step."""
+    graph, x, p, g = _inputs(element, layout)
+    # a row may hold plain numbers; they are lifted by adding nothing that is recorded
+    out = [x[0].lift(value) for value in element.commit(layout, x, p, g)]
+    assert len(out) == HISTORY * element.rows(layout)
+    return graph, out, list(range(len(out)))

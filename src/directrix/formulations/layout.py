@@ -1,0 +1,100 @@
+"""What kind of element, and where its parameters are: shared by all formulations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from directrix.basis import gauss, lagrange
+
+if TYPE_CHECKING:
+    from directrix.laws import Law
+
+__all__ = ["HISTORY", "PER_NODE", "Coordinates", "Layout", "Point", "Scalar", "Vector", "points", "symmetric_times"]
+
+Scalar = Any
+Vector = Sequence[Scalar]
+Coordinates = Sequence[Sequence[Vector]]
+Point = tuple[float, Sequence[float], Sequence[float]]
+"""Weight, shape functions and their slopes d/dξ at a Gauss point."""
+
+# Per node (r1, R1 e_i), (Δr, R0 e_i), (ṙ0, Ṙ0 e_i). The step Δr = r1 − r0 is kept by itself: far from the origin
+# the difference of two positions would lose the digits that momentum is made of.
+PER_NODE = 40  # 36 values, then room to a whole number of vectors
+HISTORY = 12  # values of a row of history, at the start of a row of PER_NODE
+
+Damping = Literal["none", "principal", "full"]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What kind of element, and where its parameters are.
+
+    ``nn`` nodes; ``points`` Gauss points for the stresses; ``principal`` when stiffness and rotary inertia
+    are diagonal; ``damping`` the kind of the viscous matrix; ``law`` a stored energy in place of ½ ε·Cε;
+    ``sampled`` when dS/dξ at the inertia points is wanted. Parameters in order: reference directors (9 nn),
+    stiffness (6 or the 21 of the upper triangle by rows), dξ/dS at the stress points, their reference
+    strains (6 each), ∫N_a N_b dS (upper triangle by rows), A_ρ, I_ρ1, I_ρ2 (, I_ρ12), viscous matrix
+    (0, 6 or 21), dS/dξ at the inertia points (0 or nn).
+    """
+
+    nn: int
+    points: int
+    principal: bool
+    damping: Damping = "none"
+    law: Law | None = None
+    sampled: bool = False
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Lengths of the parameter blocks."""
+        pairs = self.nn * (self.nn + 1) // 2
+        small = self.principal
+        viscous = {"none": 0, "principal": 6, "full": 21}[self.damping]
+        return (
+            9 * self.nn, 6 if small else 21, self.points, 6 * self.points, pairs, 3 if small else 4, viscous,
+            self.nn if self.sampled else 0,
+        )  # fmt: skip
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return sum(self.sizes)
+
+    def split(self, p: Sequence[Scalar]) -> list[Sequence[Scalar]]:
+        """The parameter blocks of ``p``."""
+        parts: list[Sequence[Scalar]] = []
+        first = 0
+        for n in self.sizes:
+            parts.append(p[first : first + n])
+            first += n
+        return parts
+
+    def stress(self, stiffness: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
+        """∂W/∂ε at the strains ``e``."""
+        return symmetric_times(stiffness, e) if self.law is None else self.law.stress(e)
+
+    def energy(self, stiffness: Sequence[Scalar], e: Sequence[Scalar]) -> Scalar:
+        """W(ε), zero at no strain."""
+        if self.law is not None:
+            return self.law.energy(e)
+        return 0.5 * sum(a * b for a, b in zip(symmetric_times(stiffness, e), e, strict=True))
+
+
+def symmetric_times(c: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
+    """C e for a C given by its diagonal (6) or its upper triangle by rows (21)."""
+    if len(c) == 6:
+        return [c[i] * e[i] for i in range(6)]
+    full: dict[tuple[int, int], Scalar] = {}
+    for i in range(6):
+        for j in range(i, 6):
+            full[i, j] = full[j, i] = c[i * 6 - i * (i - 1) // 2 + j - i]
+    return [sum(full[i, j] * e[j] for j in range(6)) for i in range(6)]
+
+
+def points(nn: int, count: int) -> list[Point]:
+    """The ``count`` Gauss points of an element with ``nn`` nodes."""
+    xi, w = gauss(count)
+    n, dn = lagrange(nn - 1, xi)
+    return [(float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(count)]
