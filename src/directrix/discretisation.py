@@ -267,7 +267,8 @@ def _lumped(n: int, groups: Sequence[Group]) -> Array:
     out, dyadic = np.zeros((n, 13)), np.zeros((n, 3, 3))
     for group in groups:
         columns: Any = group.parameters.T
-        nn, parts = group.layout.nn, [p.T for p in group.layout.split(columns)]
+        nn = group.layout.nn
+        parts: list[Array] = [np.asarray(p).T for p in group.layout.split(columns)]
         directors = parts[0].reshape(-1, nn, 3, 3)  # [element, node, director, component]
         for a in range(nn):
             weight = parts[4][:, a * nn - a * (a - 1) // 2]

@@ -193,7 +193,7 @@ class Newton:
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""
-        kernel.begin(int(self.scheme.rates), self.disc.nodes, x, self.globals)
+        kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, x, self.globals)
 
     def finish(self, x: Array, before: Array | None = None) -> Books:
         """Book the step and make x1 the start of the next one. The arrays are reused by the next call.

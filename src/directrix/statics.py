@@ -88,6 +88,7 @@ def solve_static(
             goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
             factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
             before = x.copy()
+            newton.begin(x)
             moved = place_supports(disc, x, factor)
             loads = disc.external(factor, factor)
             outcome = newton.solve(x, loads, moved)

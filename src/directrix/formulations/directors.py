@@ -106,7 +106,7 @@ def algorithmic_stress(
     layout: Layout, rule: Rule, c: Sequence[Scalar], viscous: Sequence[Scalar], e: Sequence[Sequence[Scalar]],
     dt: Sequence[Scalar],
 ) -> list[Scalar]:  # fmt: skip
-    """S* from the strains ``e`` at x0, x1 and x½ (formulation 3)."""
+    """S* from the strains ``e`` at x0, x1 and x½."""
     weights = (rule.w0, rule.w1, rule.wh)
     if layout.law is None:
         mixed = [sum(w * part[k] for w, part in zip(weights, e, strict=True) if w) for k in range(6)]

@@ -1,4 +1,4 @@
-"""Simo & Vu-Quoc (1986): rotations carried at the Gauss points, increments of rotation interpolated (formulation 4)."""
+"""Simo & Vu-Quoc (1986): rotations carried at the Gauss points, increments of rotation interpolated."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ __all__ = ["SimoVuQuoc", "SimoVuQuocStatics"]
 class SimoVuQuoc:
     """The formulation of Simo & Vu-Quoc (1986), for comparison: neither objective nor path independent.
 
-    Each Gauss point carries its rotation and curvature from step to step; over a step the nodes' rotation vectors are
-    interpolated, Λ ← exp(ψ) Λ and ω ← T(ψ) ψ' + exp(ψ) ω. The increments are those of a whole step, where the
-    original takes those of an iteration: the result then depends on the steps, not on the iterations in them.
+    Each Gauss point carries its rotation and curvature along: the nodes' rotation vectors of an iteration are
+    interpolated, Λ ← exp(ψ) Λ and ω ← T(ψ) ψ' + exp(ψ) ω, so the result depends on the way that led to it. What is
+    carried is part of the state: a step that is cut or tried again starts from where it started.
     Statics; in dynamics it is the kinematics of ``dx.SimoTarnowDoblare()``.
     """
 

@@ -106,7 +106,7 @@ def exp(v: Vector) -> Columns:
 
 
 def spin_rate(v: Vector, slope: Vector, body: bool = False) -> Vector:
-    """Axial vector of R'Rᵀ for R = exp(v), v' = ``slope``; of RᵀR' with ``body``: T(v) v' (formulation 4)."""
+    """Axial vector of R'Rᵀ for R = exp(v), v' = ``slope``; of RᵀR' with ``body``: T(v) v'."""
     s = dot(v, v)
     turn = -stumpff(2, s) if body else stumpff(2, s)
     return add(scale(stumpff(1, s), slope), scale(stumpff(3, s) * dot(v, slope), v), scale(turn, cross(v, slope)))

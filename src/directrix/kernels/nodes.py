@@ -47,7 +47,7 @@ def nodal_terms(tables, work, x, g, external):
 
 @compiled
 def _followers(tables, work, x, external):
-    """F = R f with R = R1, at half a step ½(R0 + R1) where a step balances there (formulation 3)."""
+    """F = R f with R = R1, at half a step ½(R0 + R1) where a step balances there."""
     # 1, or the share of R1 in the mean
     share = 0.5 if tables.half else 1.0
     for node in range(external.shape[0]):

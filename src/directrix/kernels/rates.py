@@ -85,8 +85,11 @@ def _turn(x, out):
 
 
 @compiled
-def begin(kind, nodes, x, g):
-    """Put the predictors of ALPHA in the place of the rates (see ``DirectorAcceleration``); others need nothing."""
+def begin(kind, carried, nodes, x, g):
+    """Prepare the place of the rates: predictors for ALPHA (see ``DirectorAcceleration``), R0 where rotations are
+    carried from iteration to iteration; others need nothing."""
+    if carried:
+        x[:nodes, 27:36] = x[:nodes, 15:24]
     if kind != ALPHA:
         return
     h, beta, gamma, am, af = g[H], g[BETA], g[GAMMA], g[AM], g[AF]

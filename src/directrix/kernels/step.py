@@ -126,6 +126,15 @@ def advance(tables, work, x, frozen, cayley, limit):
 
 
 @compiled
+def carry(tables, work, x, g):
+    """Write the history after an iteration: rotations count from here on from R1 (in the place of R0)."""
+    commit(tables, work, x, g)
+    for node in range(work.applied.shape[0]):
+        for i in range(9):
+            x[node, 15 + i] = x[node, 3 + i]
+
+
+@compiled
 def _imbalance(work, mask, tolerance, floor):
     """Largest unbalanced force or moment over what is allowed, and its node."""
     applied = work.applied
@@ -178,6 +187,8 @@ def newton(tables, work, x, g, external, mask, options, control):
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE
+        if tables.carried:
+            carry(tables, work, x, g)
         control[FROZEN] = 0
         if frozen:
             continue
@@ -205,6 +216,7 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = applied.shape[0]
     static = tables.rates == NONE
+    base = 24 if tables.carried else 12
     done, at_supports = 0.0, 0.0
     force, moment, turn = np.zeros(3), np.zeros(3), np.zeros(3)
     for node in range(nodes):
@@ -212,7 +224,7 @@ def finish(tables, work, x, g, before, mask, totals, strains):
         # ϑ of R1 = cay(ϑ) R0: with A = R1 R0ᵀ, ϑ = 2 axial(A − Aᵀ) / (1 + tr A)
         trace, t0, t1, t2 = 1.0, 0.0, 0.0, 0.0
         for a in range(3, 12, 3):
-            b = 12 + a
+            b = base + a
             trace += y[a] * y[b] + y[a + 1] * y[b + 1] + y[a + 2] * y[b + 2]
             t0 += y[a + 2] * y[b + 1] - y[a + 1] * y[b + 2]
             t1 += y[a] * y[b + 2] - y[a + 2] * y[b]
@@ -233,7 +245,10 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += applied[node, 3 + i] + reaction[node, 3 + i]
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
-    commit(tables, work, x, g)
+    if tables.carried:
+        x[:nodes, 24:36] = 0.0
+    else:
+        commit(tables, work, x, g)
     for node in range(nodes):
         orthonormal(x[node, 3:12])
     lost = end(tables.rates, nodes, x, g, tables.lumped)

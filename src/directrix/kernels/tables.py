@@ -40,6 +40,7 @@ class Tables(NamedTuple):
     dest: Ints
     rates: int
     half: bool
+    carried: bool
     lumped: Array
     damping: Array
 
@@ -135,13 +136,14 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.dest.ravel(),
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
+        scheme.static and any(scheme.element.rows(g.layout) for g in disc.groups),
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         _damping(disc, scheme),
     )
 
 
 def _damping(disc: Discretisation, scheme: Scheme) -> Array:
-    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does (formulation 3)."""
+    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does."""
     out = np.zeros((disc.stations, 6, 6))
     if scheme.static or scheme.rates is Rates.ALPHA:
         return out[:0]
