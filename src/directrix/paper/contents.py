@@ -43,14 +43,19 @@ EXAMPLES = (
         "An eighth of a circle of radius 100 with unit square section, clamped at one end and loaded at the "
         "other by a dead force normal to its "
         "plane.",
-        (bend.table_2,),
+        (bend.table_2, bend.convergence),
     ),
     Example(
         "Example 5. Free flight of a three-rod frame",
         "Three rods of length 3 at right angles, five linear elements each, three nodes of which get a velocity. "
         "Nothing acts on it.",
-        (flight.figure_7, flight.figure_8, flight.figure_9),
-        (flight.figure_7, lambda: flight.figure_8(6), lambda: flight.figure_9(6.0)),
+        (flight.figure_7, flight.figure_8, flight.figure_9, flight.figure_9_rivals),
+        (
+            flight.figure_7,
+            lambda: flight.figure_8(6),
+            lambda: flight.figure_9(6.0),
+            lambda: flight.figure_9_rivals(6.0),
+        ),
     ),
     Example(
         "Example 6. Cantilever after a pulse",

@@ -14,7 +14,12 @@ __all__ = ["data_uri"]
 
 WIDTH = 10.0  # inches
 COLOURS = (BLUE, ORANGE, XYZ[1], "#a02c8c", "#b8860b", "#00808a", XYZ[0])
-STYLES = {"ours": {"color": INK, "lw": 2.0}, "rival": {"lw": 1.4}, "ghost": {"color": GHOST, "lw": 1.5}}
+STYLES: dict[str, dict[str, Any]] = {
+    "dashed": {"ls": (0, (4, 3)), "lw": 1.5},
+    "ours": {"color": INK, "lw": 2.0},
+    "rival": {"lw": 1.4},
+    "ghost": {"color": GHOST, "lw": 1.5},
+}
 
 
 def data_uri(figure: Figure) -> str:
@@ -28,8 +33,12 @@ def data_uri(figure: Figure) -> str:
         drawn = canvas.Figure(figsize=(WIDTH, figure.height * rows), layout="constrained")
         backend.FigureCanvasSVG(drawn)
         grid = drawn.subplots(rows, figure.columns, squeeze=False).ravel()
+        labels = {tuple(c.label for c in panel.curves) for panel in figure.panels}
+        shared = len(figure.panels) > 1 and len(labels) == 1 and not figure.panels[0].picture
         for pen, panel in zip(grid, figure.panels, strict=False):
-            _draw(pen, panel)
+            _draw(pen, panel, legend=not shared)
+        if shared:
+            drawn.legend(*grid[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
         for pen in grid[len(figure.panels) :]:
             pen.remove()
         file = io.BytesIO()
@@ -37,7 +46,7 @@ def data_uri(figure: Figure) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def _draw(pen: Any, panel: Panel) -> None:
+def _draw(pen: Any, panel: Panel, legend: bool) -> None:
     colours = iter(COLOURS * len(panel.curves))
     for curve in panel.curves:
         _curve(pen, curve, next(colours), panel)
@@ -56,7 +65,7 @@ def _draw(pen: Any, panel: Panel) -> None:
     pen.set_xlabel(panel.x)
     pen.set_ylabel(panel.y)
     pen.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=True)
-    if any(c.label for c in panel.curves):
+    if legend and any(c.label for c in panel.curves):
         pen.legend(frameon=False, fontsize=8, ncols=1 if len(panel.curves) < 4 else 2)
 
 

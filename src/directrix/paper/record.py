@@ -60,7 +60,7 @@ class Curve:
     label: str
     x: Array
     y: Array
-    style: str = "line"  # "line", "points", "rival", "ghost"
+    style: str = "line"  # "line", "dashed", "points", "ours", "rival", "ghost"
     ends: bool = False
 
 

@@ -54,7 +54,17 @@ def _rolled() -> Iterator[Check]:
         yield Check.of(f"λ = {factor:g}, 100 quadratic: tip", SOURCE, "C", known, got, judged, scale=10.0)
 
 
+def _geodesic() -> Iterator[Check]:
+    model = cantilever(SECTION, 10.0, 100, 1).force("tip", (0, 0, 25)).moment("tip", (0, 0, 100 * np.pi))
+    result = dx.solve_static(model, steps=200, formulation=dx.CrisfieldJelenic(), raise_on_failure=True)
+    for factor, known in TIP.items():
+        if factor <= 0.5:
+            got = result.node("tip").r[round(400 * factor)]
+            yield Check.of(f"λ = {factor:g}, 100 linear: tip", SOURCE, "C", known, got, 1e-3, scale=10.0)
+
+
 CASES = (
     Case("helix-gentle", "2.7", "A cantilever bent and pulled out of its plane", _gentle),
     Case("helix", "2.7", "A cantilever rolled up ten times and pulled out of its plane", _rolled),
+    Case("helix-linear", "2.7", "The same by linear elements of Crisfield and Jelenić", _geodesic),
 )

@@ -69,6 +69,11 @@ class Check:
         """A relative deviation that should be nothing."""
         return cls.of(case, law, "A", 0.0, deviation, tolerance, scale=1.0)
 
+    @classmethod
+    def control(cls, case: str, law: str, seen: bool) -> Self:
+        """That something does happen, which shows that a law is no empty one: 1 if it was seen."""
+        return cls.of(f"{case} (control)", law, "A", 1.0, float(seen), 0.0)
+
     @property
     def error(self) -> float:
         """Largest difference, relative to ``scale``; infinite where nothing finite was computed."""

@@ -87,6 +87,19 @@ def _quadratic() -> Iterator[Check]:
         yield Check.printed(f"full circle, S/L = {place:g}: u/L", "code_aster V6.02.103", "F", known, got, 5)
 
 
+def _geodesic() -> Iterator[Check]:
+    for turns, n in ((0.125, 1), (0.5, 2), (1.0, 4), (1.5, 8)):
+        tip = equilibrium(rolled(turns, n, 1), 4, formulation=dx.CrisfieldJelenic()).node("tip")
+        # the rotations are exact on any mesh; a chord stands for each arc
+        half = np.pi * turns / n
+        form = exact(turns) * half / np.sin(half) - (LENGTH, 0.0)
+        turn = (np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns))
+        yield Check.of(
+            f"λ = {turns:g}, {n} linear: u, v", "geodesic element", "A", form, tip.displacement[-1, :2], 1e-9
+        )
+        yield Check.of(f"λ = {turns:g}, {n} linear: cos θ, sin θ", "circle", "A", turn, tip.R[-1, :2, 0], 1e-9)
+
+
 def _unrolled() -> Iterator[Check]:
     """A closed circle of length 10, cut and clamped at one side, opened by an end moment."""
     radius = LENGTH / (2 * np.pi)
@@ -108,5 +121,6 @@ def _unrolled() -> Iterator[Check]:
 CASES = (
     Case("roll-up-linear", "2.1", "Roll-up by linear elements: their own closed form", _linear),
     Case("roll-up", "2.1", "Roll-up by quadratic elements", _quadratic),
+    Case("roll-up-geodesic", "2.1", "Roll-up by linear elements of Crisfield and Jelenić", _geodesic),
     Case("un-rolling", "2.1", "A closed circle opened by an end moment", _unrolled),
 )

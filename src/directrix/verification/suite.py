@@ -14,6 +14,7 @@ from directrix.verification import (
     cantilevers,
     elastica,
     elbow,
+    follower,
     helix,
     objectivity,
     path_independence,
@@ -30,7 +31,7 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
-    roll_up, elastica, bend45, cantilevers, helix,
+    roll_up, elastica, follower, bend45, cantilevers, helix,
     elbow, spaghetti, spin_up,
 )  # fmt: skip
 CASES: tuple[Case, ...] = tuple(case for module in MODULES for case in module.CASES)
