@@ -315,6 +315,49 @@ def doctor() -> int:
     return 0 if passed else 4
 
 
+@app.command()
+@_guarded
+def verify(
+    everything: Annotated[bool, typer.Option("--all", help="The long cases as well.")] = False,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="A name or a section; * and ? match; may be repeated.")
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="Print the cases and run none.")] = False,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write every row with all its digits.")] = None,
+) -> int:
+    """Run the validation suite: published and exact values beside what is computed here, with sources."""
+    from rich.console import Console
+
+    from directrix.verification import report
+    from directrix.verification.suite import select
+
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    cases = select(tuple(only or ()), everything or (listed and not only))
+    if listed:
+        report.listing(console, cases)
+        return 0
+    outcomes = report.run(console, cases)
+    if json is not None:
+        report.write_json(json, outcomes)
+        console.print(f"wrote {json}", markup=False, soft_wrap=True)
+    return 0 if all(o.passed for o in outcomes) else 4
+
+
+@app.command()
+@_guarded
+def paper(
+    out: Annotated[Path, typer.Option("--out", "-o", help="The HTML file to write.")] = Path("paper.html"),
+    quick: Annotated[bool, typer.Option("--quick", help="Shorten the long motions.")] = False,
+) -> None:
+    """Recompute Section 5 of Romero and Armero (2002): one offline HTML page, printed values beside ours."""
+    from directrix.paper.page import report
+
+    if not out.parent.is_dir():
+        raise InputError("there is no such folder", "make it, or name another file with --out", str(out.parent))
+    out.write_text(report(quick, lambda title: print(title, flush=True)), encoding="utf-8")
+    print(f"wrote {out}")
+
+
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
     from directrix.runs import RESULT

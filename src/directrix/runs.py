@@ -79,7 +79,7 @@ class RunFolder:
             (self.path / name).unlink(missing_ok=True)
         saved = Path(result.save(self.path / RESULT))
         (self.path / SUMMARY).write_text(
-            json.dumps(_finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+            json.dumps(finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
             encoding="utf-8",
         )
         yield saved
@@ -222,10 +222,10 @@ def _is_summary(path: Path) -> bool:
     return isinstance(data, dict) and data.get("program") == "directrix"
 
 
-def _finite(value: Json) -> Json:
+def finite(value: Json) -> Json:
     """JSON has no NaN: null stands for what is not a number."""
     if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
+        return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list):
-        return [_finite(v) for v in value]
+        return [finite(v) for v in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
