@@ -14,6 +14,7 @@ from test_storage import same
 from typer.testing import CliRunner
 
 import directrix as dx
+from directrix import path
 from directrix.cli import app
 from directrix.schema import load_case
 
@@ -171,6 +172,7 @@ def test_a_constant_load_stays() -> None:
     result = follow(model, until=passed(5.0 + 1.5 * LIMIT))
     np.testing.assert_allclose(result.load_factor - 5.0, force_at(heights(result)), atol=1e-9 * LIMIT)
     assert result.load_factor[0] == 0.0 and heights(result)[0] > HEIGHT  # the first state bears it already
+    assert result.energy.work[0] == pytest.approx(result.energy.stored[0], rel=0.2)  # brought on from nothing
     np.testing.assert_allclose([p.load_factor for p in result.turning_points], [5 + LIMIT, 5 - LIMIT], rtol=1e-12)
 
 
@@ -202,6 +204,16 @@ def test_a_step_too_long_is_cut_and_leads_to_the_same_limit_points() -> None:
     np.testing.assert_allclose(
         [p.load_factor for p in long.turning_points], [p.load_factor for p in short.turning_points], rtol=1e-8
     )
+
+
+def test_a_step_along_which_the_path_turns_too_much_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    until = lambda s: s.node("P").displacement[1] < -20.0  # noqa: E731
+    monkeypatch.setattr(path, "STRAIGHT", 0.9999)
+    careful = follow(arch(), ds=2.0, until=until)
+    assert careful.info["cuts"] > 0 and careful.success
+    monkeypatch.setattr(path, "STRAIGHT", 1.1)
+    stuck = follow(arch(), ds=2.0, until=until)
+    assert "the path turns too sharply" in stuck.status.sentence and "bifurcation" in stuck.status.advice
 
 
 def test_a_run_that_is_stuck_says_where() -> None:
@@ -316,6 +328,17 @@ def test_a_displacement_off_the_path_is_refused() -> None:
     model = dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), SOFT, ends=("A", "B")).clamp("A").force("B", (0, 1, 0))
     with pytest.raises(dx.ModelError, match="z displacement of node 'B' does not move along the path"):
         dx.solve_static(model, control=dx.DisplacementControl("B", "z", 0.1))
+
+
+def test_a_part_that_can_move_freely_is_no_start() -> None:
+    for branched in (False, True):
+        result = follow(
+            bar(branched=branched)
+            .rod(dx.line((5, 0, 0), (6, 0, 0)), BAR, ends=("X", "Y"))
+            .pin("X")
+            .force("Y", (0, 1, 0))
+        )
+        assert not result.success and "singular" in result.status.sentence and "add supports" in result.status.advice
 
 
 def test_a_motion_is_no_start_of_a_path() -> None:

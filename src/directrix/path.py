@@ -69,7 +69,7 @@ def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial
     far = reach / max(rate, 1e-12)
     limit, cayley = bordered.newton.options[4], bordered.newton.options[6] > 0.0
     _, turned, _ = kernel.move(far * at.tangent, x, False, cayley, limit)
-    factor = at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300))
+    factor = float(at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300)))
     place_supports(bordered.disc, x, factor)
     factor, iterations, status = bordered.correct(x, factor, gauge.row(at.tangent, reach))
     if status is not None:
@@ -80,12 +80,7 @@ def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial
     along = dot(found[0], at.tangent, bordered.length)
     tangent = np.copysign(1.0, along) * found[0]
     if abs(along) < STRAIGHT or gauge.rate(tangent) <= 0.0:
-        raise _LostError(
-            Status(
-                "not_converged", "the path turns too sharply to be followed by a step of this size.", "Refine the mesh."
-            ),
-            iterations,
-        )
+        raise _LostError(SHARP, iterations)
     return Trial(Point(x, factor, tangent, float(np.copysign(found[1], along))), reach, iterations)
 
 
@@ -145,7 +140,7 @@ class Walk:
         if isinstance(found, Status):
             self._keep()
             sentence = f"there is no equilibrium to start from at load factor {factor:.6g}: {found.sentence}"
-            return Status(found.code, sentence, HELD_UP)
+            return Status(found.code, sentence, HELD_UP if np.any(self.loads) else found.advice)
         tangent, slope = found
         if not np.isfinite(slope):
             raise ModelError(
