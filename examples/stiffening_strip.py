@@ -1,9 +1,9 @@
 """A strip of rubber-like material, by its energy alone: its bending stiffens, and still no energy is lost or gained.
 
 The law is a plain Python function of the six strains; stress, tangent and machine code are derived from it. Here
-W has ½ β (exp(q) − 1) in place of ½ (EI1 Ω1² + EI2 Ω2²), with q = (EI1 Ω1² + EI2 Ω2²)/β, which is ``dx.laws.stiffening_bending`` written
-out. At rest it is the linear strip. Under an end moment M the strip is a circular arc of the curvature κ that solves
-M = EI κ exp(EI κ²/β): less than the linear M/EI. Let go, it flies for ten thousand steps at constant energy, because
+W has ½ β (exp(q) − 1) in place of ½ (EI1 Ω1² + EI2 Ω2²), with q = (EI1 Ω1² + EI2 Ω2²)/β: ``dx.laws.stiffening_bending``
+written out. At rest it is the linear strip. Under an end moment M the strip is an arc of the curvature κ that solves
+M = EI κ exp(EI κ²/β), less than the linear M/EI. Let go, it flies for ten thousand steps at constant energy, because
 the discrete gradient of Gonzalez (1996) makes each step do exactly the work of this energy; the classical midpoint
 rule with the same law and the same step does not.
 

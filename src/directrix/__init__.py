@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from directrix import laws
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
@@ -51,6 +52,7 @@ __all__ = [
     "TurningPoint",
     "arc",
     "helix",
+    "laws",
     "line",
     "load",
     "polyline",
@@ -84,6 +86,8 @@ _HOME = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "laws":
+        return import_module("directrix.laws")
     for module, names in _HOME.items():
         if name in names:
             value = globals()[name] = getattr(import_module(f"directrix.{module}"), name)
