@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
-
 from directrix.audit import DynamicBooks
+from directrix.checks import choice, number, shown, whole
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.formulations import Directors
+from directrix.formulations import Directors, refuse_strategies
 from directrix.integrators import EnergyMomentum, Integrator
 from directrix.model import Model
 from directrix.newton import Newton, Settings
@@ -64,10 +63,13 @@ def simulate(
     ModelError
         The model or an argument cannot be right.
     """
-    integrator = integrator or EnergyMomentum()
-    _refuse(formulation, integrator, load_rule, save_every)
+    integrator = EnergyMomentum() if integrator is None else integrator
+    _refuse(integrator, load_rule)
+    refuse_strategies(formulation, progress)
+    save_every = whole(save_every, "save_every", 1, 10**9)
+    t_end, dt = number(t_end, "t_end"), number(dt, "dt", above=0.0)
     disc = discretise(model, dynamic=True)
-    t0 = float(start.t[-1]) if start is not None and start.kind == "dynamic" else 0.0
+    t0 = float(start.t[-1]) if isinstance(start, Result) and start.kind == "dynamic" else 0.0
     steps = _count(t0, t_end, dt)
     x = initial_state(disc, start, dynamic=True)
     newton = Newton(disc, integrator.rule, Settings(tolerance), dt)
@@ -119,28 +121,21 @@ def simulate(
     return result
 
 
-def _refuse(formulation: object, integrator: object, load_rule: str, save_every: int) -> None:
-    if formulation is not None and not isinstance(formulation, Directors):
-        raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
-    if not hasattr(integrator, "rule"):
+def _refuse(integrator: object, load_rule: str) -> None:
+    if isinstance(integrator, type) or not hasattr(integrator, "rule"):
         raise ModelError(
-            f"{integrator!r} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator="
+            f"{shown(integrator)} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator="
         )
-    if load_rule not in ("midpoint", "average"):
-        raise ModelError(f"there is no load rule {load_rule!r}", 'use "midpoint" or "average"', "load_rule=")
-    if not save_every >= 1 or save_every != int(save_every):
-        raise ModelError(
-            f"save_every = {save_every} is not a positive whole number",
-            "save every 1, 2, … steps",
-            "save_every=",
-        )
+    choice(load_rule, "load rule", ("midpoint", "average"))
 
 
 def _count(t0: float, t_end: float, dt: float) -> int:
-    if not (np.isfinite(dt) and dt > 0.0):
-        raise ModelError(f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt=")
-    if not (np.isfinite(t_end) and t_end > t0):
+    if not t_end > t0:
         raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
+    if not (t_end - t0) / dt < 1e12:
+        raise ModelError(
+            f"dt = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", "dt=, t_end="
+        )
     steps = round((t_end - t0) / dt)
     if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
         near = max(1, steps)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from directrix.audit import StaticBooks
+from directrix.checks import choice, whole
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.formulations import Directors
+from directrix.formulations import Directors, refuse_strategies
 from directrix.formulations.directors import Rule
 from directrix.model import Model
 from directrix.newton import Newton, Settings
@@ -63,11 +64,9 @@ def solve_static(
     ModelError
         The model or an argument cannot be right.
     """
-    for name, value in (("steps", steps), ("save_every", save_every)):
-        if not value >= 1 or value != int(value):
-            raise ModelError(f"{name} = {value} is not a positive whole number", "use 1, 2, …", f"{name}=")
-    if rotation not in ("exponential", "cayley"):
-        raise ModelError(f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation=")
+    steps, save_every = whole(steps, "steps", 1, 10**9), whole(save_every, "save_every", 1, 10**9)
+    choice(rotation, "rotation update", ("exponential", "cayley"))
+    refuse_strategies(formulation, progress)
     disc = discretise(model, dynamic=False)
     x = initial_state(disc, start, dynamic=False)
     newton = Newton(disc, Rule(static=True), Settings(tolerance, rotation=rotation))
