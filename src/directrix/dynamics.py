@@ -126,7 +126,7 @@ def _refuse(integrator: object, load_rule: str) -> None:
         raise ModelError(
             f"{shown(integrator)} is not an integrator", "use dx.EnergyMomentum() or dx.Midpoint()", "integrator="
         )
-    choice(load_rule, "load rule", ("midpoint", "average"))
+    choice(load_rule, "load_rule", ("midpoint", "average"))
 
 
 def _count(t0: float, t_end: float, dt: float) -> int:
