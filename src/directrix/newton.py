@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.checks import number
 from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
@@ -37,7 +38,7 @@ class Settings:
     rotation: str = "exponential"
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.tolerance < 1.0:
+        if not 0.0 < number(self.tolerance, "tolerance") < 1.0:
             raise ModelError(
                 f"tolerance = {self.tolerance} is not a relative tolerance",
                 "give a number between 0 and 1, e.g. 1e-9",
