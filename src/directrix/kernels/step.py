@@ -160,7 +160,8 @@ def imbalance(work, mask, tolerance, floor):
 def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
-    ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley.
+    ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
+    whether the positions are solved for by themselves after a large turn.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -193,7 +194,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         control[FROZEN] = 0
         if frozen:
             continue
-        if turned > LARGE_TURN:
+        if turned > LARGE_TURN and options[7] > 0.0:
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g, external)
