@@ -10,7 +10,7 @@ import numpy as np
 
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, internal_forces
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
 
@@ -37,7 +37,7 @@ PHASE, ITERATION, FROZEN, BLAME = range(4)
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
-@compiled
+@inner
 def _rotation(t, cayley, out):
     """out (3, 3) = exp(t̂), or the Cayley transform of t."""
     s = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
@@ -126,7 +126,7 @@ def advance(tables, work, x, frozen, cayley, limit):
     return move(work.step, x, frozen, cayley, limit)
 
 
-@compiled
+@inner
 def carry(tables, work, x, g):
     """Write the history after an iteration: rotations count from here on from R1 (in the place of R0)."""
     commit(tables, work, x, g)
@@ -270,7 +270,7 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     work.flow[8] = lost
 
 
-@compiled
+@inner
 def _dissipated(damping, before, after):
     """Σ Δε·Q Δε over the stress points, ``damping`` (stations, 6, 6) = Q with the weights of the points in it."""
     total = 0.0
