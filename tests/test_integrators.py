@@ -107,13 +107,13 @@ def random_model(seed: int) -> dx.Model:
     corner = np.array([2.0, 0, 0])
     order = int(rng.integers(1, 3))
     model = dx.Model(name=f"random {seed}").rod(
-        dx.line((0, 0, 0), corner), section, name="one", ends=("a", "b"), elements=2, order=order
+        dx.line((0, 0, 0), corner), section, name="one", ends=("a", "b"), elements=3, order=order
     )
     model = model.rod(
-        dx.line(corner, corner + rng.standard_normal(3)), section, name="two", ends=("b", "c"), elements=2, order=order
+        dx.line(corner, corner + rng.standard_normal(3)), section, name="two", ends=("b", "c"), elements=3, order=order
     )
     for node in "abc":
-        model = model.velocity(node, rng.standard_normal(3))
+        model = model.velocity(node, 0.5 * rng.standard_normal(3))
     return model
 
 
