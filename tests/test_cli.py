@@ -319,7 +319,7 @@ def test_check_says_what_would_be_solved(case: Path) -> None:
 
 
 def test_examples_are_listed_printed_and_copied(tmp_path: Path) -> None:
-    names = ["bend45", "cantilever_pulse", "free_flight", "objectivity", "swinging_rod"]
+    names = ["bend45", "cantilever_pulse", "free_flight", "hinged_frame", "objectivity", "swinging_rod"]
     out = run("examples")[1]
     assert [line.split()[0] for line in out.split("\n")[: len(names)]] == names
     assert run("examples", "--copy", tmp_path)[0] == 0

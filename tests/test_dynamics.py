@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import directrix as dx
-from directrix.integrators.conformance import check_integrator
 
 
 def section() -> dx.Section:
@@ -43,17 +42,6 @@ def tripod(order: int = 1) -> dx.Model:
             order=order,
         )
     return model.velocity("tip0", (0, 0, 2)).velocity("tip1", (1, 0, 0)).velocity("hub", (0, 0, -0.5), omega=(0, 1, 1))
-
-
-@pytest.mark.parametrize("integrator", [dx.EnergyMomentum(), dx.Midpoint()])
-def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None:
-    found = check_integrator(integrator)
-    assert abs(found.order - 2.0) <= 0.05
-    for law, claimed, deviation in found.laws:
-        if claimed:
-            assert deviation <= 1e-11, law
-        else:
-            assert deviation >= 1e-4, f"{law} is not claimed and yet kept: claim it"
 
 
 @pytest.mark.parametrize("model", [flying(1), flying(2), flying(3), tripod(1), tripod(2)], ids=lambda m: m.name)

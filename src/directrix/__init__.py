@@ -4,6 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from directrix import laws
+    from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
         SimoTarnowDoblare,
     )
     from directrix.model import Model
-    from directrix.result import Result, Status
+    from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.statics import solve_static
     from directrix.storage import load
@@ -26,10 +28,12 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ArcLength",
     "ConvergenceError",
     "CrisfieldJelenic",
     "Directors",
     "DirectrixError",
+    "DisplacementControl",
     "EnergyDissipating",
     "EnergyMomentum",
     "GeneralizedAlpha",
@@ -43,9 +47,12 @@ __all__ = [
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
+    "Snapshot",
     "Status",
+    "TurningPoint",
     "arc",
     "helix",
+    "laws",
     "line",
     "load",
     "polyline",
@@ -56,6 +63,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
@@ -70,7 +78,7 @@ _HOME = {
         "SimoTarnowDoblare",
     ),
     "model": ("Model",),
-    "result": ("Result", "Status"),
+    "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "statics": ("solve_static",),
     "storage": ("load",),
@@ -78,6 +86,8 @@ _HOME = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "laws":
+        return import_module("directrix.laws")
     for module, names in _HOME.items():
         if name in names:
             value = globals()[name] = getattr(import_module(f"directrix.{module}"), name)

@@ -221,7 +221,7 @@ def report(result: Result) -> str:
     """The whole result in a few lines, for ``print(result)``."""
     info, audit = result.info, result.audit
     size = f"{info.get('nodes', '?')} nodes, {info.get('elements', '?')} elements ({info.get('solver', '?')} solver)"
-    scheme = info.get("integrator", "load control")
+    scheme = info.get("integrator") or info.get("control", "load control")
     iterations = result.iterations
     mean = f"{iterations.mean():.2f} Newton iterations a step" if iterations.size else "no step"
     clock = "t" if result.kind == "dynamic" else "load factor"
@@ -244,5 +244,6 @@ def report(result: Result) -> str:
         f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
         f"directors off orthonormal by {audit.director_loss:.1e}"
     )
+    lines += [f"  {point}" for point in result.turning_points]
     lines += [f"  note: {note}" for note in audit.notes]
     return "\n".join(lines)

@@ -64,6 +64,7 @@ class Picture(StrEnum):
     energy = "energy"
     momentum = "momentum"
     history = "history"
+    path = "path"
 
 
 class Quantity(StrEnum):
@@ -73,6 +74,14 @@ class Quantity(StrEnum):
     r = "r"
     v = "v"
     reaction = "reaction"
+
+
+class Component(StrEnum):
+    """What ``plot … path`` can draw a load factor over."""
+
+    x = "x"
+    y = "y"
+    z = "z"
 
 
 def main() -> None:
@@ -213,21 +222,25 @@ def info(result_file: ResultFile) -> None:
 def plot(
     result_file: ResultFile,
     what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
-    node: Annotated[str | None, typer.Option(help="history: the node.")] = None,
+    node: Annotated[str | None, typer.Option(help="history, path: the node.")] = None,
     quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
+    component: Annotated[Component, typer.Option(help="path: which displacement of it.")] = Component.y,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
 ) -> None:
-    """Draw a picture of a result: the last shape, the motion, energy, momentum, or one node's history."""
+    """Draw a picture of a result: the last shape, the motion, energy, momentum, a node's history or path under load."""
     from directrix.runs import draw
 
     result, path = _load(result_file)
     options: dict[str, str] = {}
-    if what is Picture.history:
+    if what in (Picture.history, Picture.path):
         if node is None:
-            raise ModelError("a history is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}")
-        options = {"node": node, "quantity": quantity.value}
+            raise ModelError(
+                f"a {what.value} is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}"
+            )
+        more = {"quantity": quantity.value} if what is Picture.history else {"component": component.value}
+        options = {"node": node, **more}
     elif node is not None:
-        raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history")
+        raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history or path")
     name = "-".join([what.value, *options.values()])
     print(f"wrote {draw(result, what.value, out or path.with_name(f'{name}.png'), **options)}")
 

@@ -107,7 +107,7 @@ def names(stage: Stage, result: Result, at: int) -> None:
 
 
 def energies(pen: Any, result: Result, total: str = "total") -> None:
-    t, energy = result.t, result.energy
+    t, energy = abscissa(result), result.energy
     pen.plot(t, energy.kinetic, color=ORANGE, lw=1.3, ls="--", label="kinetic")
     pen.plot(t, energy.stored, color=BLUE, lw=1.3, ls="-.", label="stored")
     pen.plot(t, energy.total, color=INK, lw=2.2, label=total, **dots(result))
@@ -117,11 +117,11 @@ def components(pen: Any, result: Result, values: Array, letter: str, style: str)
     """Three curves; ``values`` (nt, 3)."""
     for axis, colour, column in zip("xyz", XYZ, values.T, strict=True):
         name = f"${letter}_{axis}$" if letter else axis
-        pen.plot(result.t, column, color=colour, lw=1.7, ls=style, label=name, **dots(result))
+        pen.plot(abscissa(result), column, color=colour, lw=1.7, ls=style, label=name, **dots(result))
 
 
 def residual(twin: Any, residual: Array, result: Result) -> None:
-    twin.plot(result.t, residual, color=XYZ[0], lw=1.0, label="residual")
+    twin.plot(abscissa(result), residual, color=XYZ[0], lw=1.0, label="residual")
     twin.set_ylabel("residual of the ledger", color=XYZ[0])
     twin.tick_params(axis="y", colors=XYZ[0])
     twin.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
@@ -131,7 +131,7 @@ def curves(result: Result, ax: Any) -> Any:
     if ax is None:
         ax = pyplot().figure(figsize=(7.0, 4.2), layout="constrained").add_subplot()
         dress(ax)
-    ax.set_xlabel(clock(result))
+    ax.set_xlabel(clock(result) if rises(result) else "arc length of the path")
     return ax
 
 
@@ -168,6 +168,16 @@ def evenly(count: int, of: int) -> NDArray[np.int64]:
 
 def clock(result: Result) -> str:
     return "t" if result.kind == "dynamic" else "load factor"
+
+
+def rises(result: Result) -> bool:
+    """False when the load factor turns back, so that it does not tell one saved instant from another."""
+    return bool(np.all(np.diff(result.t) > 0.0))
+
+
+def abscissa(result: Result) -> Array:
+    """What the saved instants (nt,) are drawn over: time, load factor, or the arc length of a path that turns back."""
+    return result.t if rises(result) else result.arc_length
 
 
 def need_matplotlib() -> None:

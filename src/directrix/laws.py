@@ -57,12 +57,15 @@ class Law:
             raise ModelError(f"{what} cannot be recorded: {error!r}", SMOOTH) from error
         if not isinstance(w, Sym):
             raise ModelError(f"{what} gives {w!r}, which does not depend on the strains", "return one energy")
-        w = w - replay(graph, [w], lambda _, __: 0.0)[0]
+        with np.errstate(all="ignore"):  # what is not finite is refused below
+            w = w - replay(graph, [w], lambda _, __: 0.0)[0]
         stress = [derivative(graph, [w], {e: 1.0})[0] for e in strain]
         at = needed(graph, [w, *stress])
         text = repr([(i, graph.ops[i]) for i in at]) + repr([s.index for s in (w, *stress)])
         law = cls("", graph, (w, *stress), np.eye(6))
-        if not (np.isfinite(law.energy([0.0] * 6)) and np.all(np.isfinite(law.hessian))):
+        with np.errstate(all="ignore"):
+            finite = np.isfinite(law.energy([0.0] * 6)) and np.all(np.isfinite(law.hessian))
+        if not finite:
             raise ModelError(f"{what} or its derivatives are not finite at no strain", SMOOTH)
         metric = law.hessian if metric is None else metric
         digest = hashlib.sha256(text.encode() + metric.tobytes()).hexdigest()[:16]

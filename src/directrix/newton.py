@@ -107,13 +107,14 @@ class Newton:
         while True:
             code = kernel.newton(tables, self.work, x, self.globals, external, self.mask, self.options, control)
             if code != kernel.SOLVE:
-                return Outcome(int(control[1]), self._status(code, int(control[3])))
+                return Outcome(int(control[1]), self.verdict(code, int(control[3])))
             du = self.sparse.solve(self.work.blocks, self.work.rhs)
             if du is None:
-                return Outcome(int(control[1]), self._status(kernel.SINGULAR, int(control[3])))
+                return Outcome(int(control[1]), self.verdict(kernel.SINGULAR, int(control[3])))
             self.work.du[:] = du
 
-    def _status(self, code: int, blame: int) -> Status | None:
+    def verdict(self, code: int, blame: int) -> Status | None:
+        """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
         place = self.disc.mesh.label(blame)

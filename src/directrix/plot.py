@@ -24,6 +24,8 @@ __all__ = ["Plots", "compare_energy_momentum"]
 
 OTHERS = ("#a02c8c", "#b8860b", "#00808a")
 Quantity = Literal["displacement", "r", "v", "reaction"]
+Component = Literal["x", "y", "z"]
+COMPONENTS = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -69,15 +71,17 @@ class Plots:
         # viridis without its pale end, which vanishes on white paper
         hues: Any = colors.ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
         picked = draw.evenly(frames, len(result.t))
-        lo, hi = float(result.t.min()), float(result.t.max())
+        order = draw.abscissa(result)
+        lo, hi = float(order.min()), float(order.max())
         norm: Any = colors.Normalize(lo, hi if hi > lo else lo + 1.0)
         draw.ghost(stage, result)
         for k in picked:
             for rod in result.mesh.rods:
-                stage.line(draw.axis_line(rod, result.r[k]), color=hues(norm(result.t[k])), lw=1.8)
+                stage.line(draw.axis_line(rod, result.r[k]), color=hues(norm(order[k])), lw=1.8)
         draw.names(stage, result, int(picked[-1]))
         stage.finish(result.name)
-        stage.ax.figure.colorbar(ScalarMappable(norm, hues), ax=stage.ax, label=draw.clock(result), shrink=0.7, pad=0.1)
+        label = draw.clock(result) if draw.rises(result) else "arc length of the path"
+        stage.ax.figure.colorbar(ScalarMappable(norm, hues), ax=stage.ax, label=label, shrink=0.7, pad=0.1)
         return stage.ax
 
     def energy(self, ax: Axes | None = None, residual: bool = False) -> Axes:
@@ -89,8 +93,9 @@ class Plots:
         result, energy = self.result, self.result.energy
         pen = draw.curves(result, ax)
         if result.kind == "static":
-            pen.plot(result.t, energy.stored, color=draw.BLUE, lw=1.8, label="stored", **draw.dots(result))
-            pen.plot(result.t, energy.work, color=draw.GREY, lw=1.6, ls="--", label="work done on it")
+            order = draw.abscissa(result)
+            pen.plot(order, energy.stored, color=draw.BLUE, lw=1.8, label="stored", **draw.dots(result))
+            pen.plot(order, energy.work, color=draw.GREY, lw=1.6, ls="--", label="work done on it")
         else:
             draw.energies(pen, result)
             if np.any(energy.work) or np.any(energy.dissipated):
@@ -131,6 +136,33 @@ class Plots:
         name = {"r": "position", "v": "velocity"}.get(quantity, quantity)
         title = f"{result.name}: {result.mesh.label(result.mesh.node(node))}"
         return draw.finish(pen, name, title, below=ax is None)
+
+    def path(self, node: str | int, component: Component, ax: Axes | None = None) -> Axes:
+        """Load factor over one displacement of one node, with the limit points marked.
+
+        Raises ModelError for an unknown node or component, and for a motion.
+        """
+        result = self.result
+        if result.kind != "static":
+            raise ModelError("a motion has no load factor to draw", "plot history, or follow a path with solve_static")
+        if component not in COMPONENTS:
+            raise ModelError(f"there is no component {component!r}", f"components: {', '.join(COMPONENTS)}")
+        moved = result.node(node).displacement[:, COMPONENTS.index(component)]
+        pen = draw.curves(result, ax)
+        pen.plot(moved, result.load_factor, color=draw.BLUE, lw=1.8, **draw.dots(result))
+        for point in result.turning_points:
+            at = float(moved[point.index]), point.load_factor
+            pen.plot(*at, ls="", marker="o", ms=6, color=draw.ORANGE)
+            pen.annotate(
+                f"{point.load_factor:.6g}", at, (0, 7 if "maximum" in point.kind else -15), textcoords="offset points",
+                color=draw.ORANGE, ha="center", fontsize=9,
+            )  # fmt: skip
+        label = draw.plain(result.mesh.label(result.mesh.node(node)))
+        pen.set_xlabel(f"$u_{component}$ of {label}")
+        pen.set_ylabel(draw.clock(result))
+        pen.set_title(draw.plain(result.name), fontsize=11)
+        pen.margins(y=0.12)
+        return pen
 
 
 def compare_energy_momentum(results: Mapping[str, Result], path: str | PathLike[str], snapshots: int = 7) -> str:

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-__all__ = ["Energy", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status"]
+__all__ = [
+    "Energy", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status", "TurningPoint",
+    "turn_length",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,8 @@ class Mesh:
 class Status:
     """How a run ended. ``code`` is for programs, ``sentence`` and ``advice`` for people.
 
-    Codes: ``done``, ``not_converged``, ``non_finite``, ``singular``, ``bad_input``, ``interrupted``, ``stopped``.
+    Codes: ``done``, ``not_converged``, ``non_finite``, ``singular``, ``bad_input``, ``interrupted``, ``stopped``,
+    ``step_limit``.
     """
 
     code: str
@@ -174,6 +178,23 @@ class RodHistory:
 
 
 @dataclass(frozen=True)
+class TurningPoint:
+    """Where the load factor turns back along a static path.
+
+    ``kind`` "limit point (maximum)" or "limit point (minimum)" of the load factor; ``load_factor`` there;
+    ``arc_length`` from the start of the run; ``index`` of the saved instant that is this state.
+    """
+
+    kind: str
+    load_factor: float
+    arc_length: float
+    index: int
+
+    def __str__(self) -> str:
+        return f"{self.kind} at load factor {self.load_factor:.9g}, arc length {self.arc_length:.6g}"
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything a run computed, at ``nt`` saved instants of ``n`` nodes.
 
@@ -196,6 +217,7 @@ class Result:
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     history : (nt, rows, 12) what a formulation or a scheme carries beside the nodes, to go on with ``start=``; no rows
         for most
+    turning_points : limit points of a path that was followed, in the order of the path
     """
 
     kind: Literal["static", "dynamic"]
@@ -217,6 +239,19 @@ class Result:
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
+    turning_points: tuple[TurningPoint, ...] = ()
+
+    @cached_property
+    def arc_length(self) -> Array:
+        """Length (nt,) of the path through the saved states, which grows where the load factor may turn back.
+
+        The distance of two states is the root mean square over the nodes of |Δr|² + ½ℓ² Σ|Δd_i|², that is of
+        displacement and, for small turns, ℓ times the turn; ℓ is the size of the model over 2π.
+        """
+        length = turn_length(self.mesh.r0)
+        squares = np.sum(np.diff(self.r, axis=0) ** 2, axis=2)
+        squares += 0.5 * length**2 * np.sum(np.diff(self.R, axis=0) ** 2, axis=(2, 3))
+        return np.concatenate([[0.0], np.cumsum(np.sqrt(squares.mean(axis=1)))])
 
     @property
     def success(self) -> bool:
@@ -242,7 +277,7 @@ class Result:
 
     @cached_property
     def plot(self) -> Plots:
-        """Pictures: ``shape``, ``motion``, ``energy``, ``momentum``, ``history``; needs matplotlib."""
+        """Pictures: ``shape``, ``motion``, ``energy``, ``momentum``, ``history``, ``path``; needs matplotlib."""
         from directrix.plot import Plots
 
         return Plots(self)
@@ -263,3 +298,8 @@ class Result:
         from directrix.audit import report
 
         return report(self)
+
+
+def turn_length(r0: Array) -> float:
+    """ℓ that turns are multiplied by in the length of a path: the diagonal of the box of ``r0`` (n, 3), over 2π."""
+    return float(np.linalg.norm(np.ptp(r0, axis=0))) / (2.0 * np.pi)

@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -143,6 +143,7 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
         "result": {"path": saved.name, "sha256": _sha256(saved)},
         "kind": result.kind,
         "info": {k: v if isinstance(v, (bool, int, float)) else str(v) for k, v in result.info.items()},
+        "turning_points": [asdict(point) for point in result.turning_points],
         "steps": {
             "taken": int(steps.size),
             "saved_instants": int(result.t.size),

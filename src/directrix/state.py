@@ -72,7 +72,7 @@ def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
     for node, displacement, rotation in disc.prescribed:
         if displacement is not None:
             to = disc.mesh.r0[node] + displacement(t)
-            x[node, 12:15] = to - x[node, :3]
+            x[node, 12:15] += to - x[node, :3]
             x[node, :3] = to
         if rotation is not None:
             x[node, 3:12] = exp(rotation(t)).T.ravel()

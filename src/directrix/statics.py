@@ -1,10 +1,14 @@
-"""Load control. The loop knows load factors, when to cut and when to stop; the mechanics are elsewhere."""
+"""Load control, and the way into every static run. The loop knows load factors, when to cut and when to stop."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
+from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
@@ -14,20 +18,24 @@ from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.integrators import Formulation
 from directrix.model import Model
 from directrix.newton import Newton, Settings
+from directrix.path import Walk
 from directrix.recorder import Progress, Recorder
-from directrix.result import Result, Status
+from directrix.result import Result, Status, TurningPoint
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
 
+Array = NDArray[np.float64]
+
 __all__ = ["solve_static"]
 
-SMALLEST = 2.0**-12  # of a requested step
+PATIENCE = 20  # Newton iterations of a step along a path: it is cheaper to cut it
 
 
 def solve_static(
     model: Model,
-    steps: int = 10,
+    steps: int | None = None,
     *,
+    control: Control | None = None,
     formulation: Formulation | None = None,
     start: Result | None = None,
     save_every: int = 1,
@@ -36,21 +44,27 @@ def solve_static(
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
-    """Find the equilibria while the load factor goes from 0 to 1 in ``steps`` equal parts.
+    """Find equilibria while the load factor goes from 0 to 1 in equal parts, or along the path of a ``control``.
 
     A part that does not converge is cut in halves, down to 1/4096 of itself, and the steps grow again after
     easy ones. Loads are multiplied by the load factor unless marked ``constant``; prescribed values ramp with it.
+    With a ``control`` the load factor is an unknown: it may fall, pass limit points, which are located and
+    reported, and pass 1.
 
     Parameters
     ----------
     model
         Rods, supports and loads.
     steps
-        Parts of the load path that are saved (the cuts between them are not, unless they are the last state).
+        Parts of the load path that are saved (the cuts between them are not, unless they are the last state);
+        10 unless given, and not for a ``control``.
+    control
+        None is load control; ``dx.ArcLength(…)`` or ``dx.DisplacementControl(…)``.
     formulation
         ``Directors()`` (default); for comparison ``SimoVuQuoc()`` and ``CrisfieldJelenic()``.
     start
-        Begin at the last state of this result instead of the reference.
+        Begin at the last state of this result instead of the reference. A ``control`` goes on from its load factor,
+        load control begins at 0 again.
     save_every
         Keep every so many parts; the last one is always kept.
     tolerance
@@ -67,70 +81,114 @@ def solve_static(
     ModelError
         The model or an argument cannot be right.
     """
+    if control is None:
+        steps = 10 if steps is None else steps
+    elif not isinstance(control, (ArcLength, DisplacementControl)):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ModelError(f"control = {control!r} is no control", "use dx.ArcLength(…) or dx.DisplacementControl(…)")
+    elif steps is not None:
+        raise ModelError("steps= are those of load control", "leave it out: the control has its own", "steps=")
     for name, value in (("steps", steps), ("save_every", save_every)):
-        if not value >= 1 or value != int(value):
+        if value is not None and (not value >= 1 or value != int(value)):
             raise ModelError(f"{name} = {value} is not a positive whole number", "use 1, 2, …", f"{name}=")
     if rotation not in ("exponential", "cayley"):
         raise ModelError(f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation=")
+    if control is not None and isinstance(formulation, SimoVuQuoc):
+        raise ModelError(
+            "SimoVuQuoc() carries its rotations from iteration to iteration, a path has to know where its step began",
+            "follow it with dx.Directors() or dx.CrisfieldJelenic()",
+            "formulation=",
+        )
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, Settings(tolerance, rotation=rotation))
+    settings = Settings(tolerance, rotation=rotation)
+    if control is not None:
+        settings = replace(settings, iterations=PATIENCE)
+    newton = Newton(disc, scheme, settings)
     recorder = Recorder(disc, "static")
-    books = newton.books(x)
-    ledger = StaticBooks(disc, books)
-    recorder.keep(0.0, 0.0, x[: disc.nodes, :3], x, books, ledger.flows)
-    acting = newton.applied(x, disc.external(0.0, 0.0))
-    done, reach, cuts, kept = 0.0, 1.0 / steps, 0, 0.0
-    status = Status("done", "")
+    run: _LoadSteps | Walk
+    if control is None:
+        run = _LoadSteps(newton, recorder, steps or 10, save_every)
+    else:
+        run = Walk(newton, control, recorder, save_every)
+    status = run.begin(x, start)
     try:
-        while status.success and done < 1.0:
-            goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
-            factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
-            before = x.copy()
-            newton.begin(x)
-            moved = place_supports(disc, x, factor)
-            loads = disc.external(factor, factor)
-            outcome = newton.solve(x, loads, moved)
-            recorder.iterations.append(outcome.iterations)
-            if outcome.status is not None:
-                x = before
-                reach, cuts = 0.5 * (factor - done), cuts + 1
-                if reach < SMALLEST / steps:
-                    why = outcome.status
-                    status = Status(
-                        why.code,
-                        f"stopped at load factor {done:.6g}, after {cuts} cuts of the step: {why.sentence}",
-                        why.advice,
-                    )
-                continue
-            books = newton.finish(x, acting)
-            acting, done = books.applied.copy(), factor
-            ledger.add(books, x[: disc.nodes, :3])
-            reach = min(1.0 / steps, 2.0 * reach)
-            part = round(done * steps)
-            if factor == goal and (part % save_every == 0 or part == steps):
-                recorder.keep(done, done, x[: disc.nodes, :3], x, books, ledger.flows)
-                kept = done
-            if progress is not None:
-                progress(done, f"load factor {done:.6g}  {outcome.iterations} iterations")
+        status = status or run.go(progress)
     except KeyboardInterrupt:
-        status = Status("interrupted", f"interrupted at load factor {done:.6g}.", "Go on with start=.")
+        status = Status("interrupted", f"interrupted at load factor {run.factor:.6g}.", "Go on with start=.")
     except ModelError as error:  # a function of the load factor that fails on the way: keep what there is
-        status = Status("bad_input", f"stopped at load factor {done:.6g}: {error.what}.", f"{error.fix}.")
-    if kept < done:
-        recorder.keep(done, done, x[: disc.nodes, :3], x, books, ledger.flows)
-    if status.success:
-        cut = f", {cuts} of them cut" if cuts else ""
-        status = Status("done", f"reached load factor 1 in {len(recorder.iterations)} steps{cut}.")
+        status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
+    run.close()
     info = {
-        "formulation": repr(formulation or Directors()), "steps": steps, "tolerance": tolerance, "cuts": cuts,
-        "rotation": rotation, "element": repr(scheme.element),
+        "formulation": repr(formulation or Directors()), "tolerance": tolerance, "cuts": run.cuts, "rotation": rotation,
+        "element": repr(scheme.element),
+        **({"steps": steps} if control is None else {"control": repr(control)}),
     }  # fmt: skip
-    result = recorder.result(status, ledger.audit(), info)
+    result = replace(recorder.result(status, run.ledger.audit(), info), turning_points=tuple(run.turning_points))
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
+
+
+class _LoadSteps:
+    """Load control: equal parts of the way from load factor 0 to 1."""
+
+    turning_points: tuple[TurningPoint, ...] = ()
+
+    def __init__(self, newton: Newton, recorder: Recorder, steps: int, save_every: int) -> None:
+        self.newton, self.recorder, self.steps, self.save_every = newton, recorder, steps, save_every
+        self.factor, self.kept, self.cuts = 0.0, 0.0, 0
+
+    def begin(self, x: Array, start: Result | None) -> None:
+        """Keep the first state."""
+        self.x = x
+        self.books = self.newton.books(x)
+        self.ledger = StaticBooks(self.newton.disc, self.books)
+        self._keep()
+
+    def go(self, progress: Progress | None) -> Status:
+        """Step on until load factor 1, or a step that fails at its smallest."""
+        newton, disc, steps = self.newton, self.newton.disc, self.steps
+        acting, reach = newton.applied(self.x, disc.external(0.0, 0.0)), 1.0 / steps
+        while self.factor < 1.0:
+            done = self.factor
+            goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
+            factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
+            before = self.x.copy()
+            newton.begin(self.x)
+            moved = place_supports(disc, self.x, factor)
+            loads = disc.external(factor, factor)
+            outcome = newton.solve(self.x, loads, moved)
+            self.recorder.iterations.append(outcome.iterations)
+            if outcome.status is not None:
+                self.x = before
+                reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
+                if reach < SMALLEST / steps:
+                    why = outcome.status
+                    sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
+                    return Status(why.code, sentence, why.advice)
+                continue
+            self.books = newton.finish(self.x, acting)
+            self.ledger.add(self.books, self.x[: disc.nodes, :3])
+            acting, self.factor = self.books.applied.copy(), factor
+            reach = min(1.0 / steps, 2.0 * reach)
+            part = round(factor * steps)
+            if factor == goal and (part % self.save_every == 0 or part == steps):
+                self._keep()
+            if progress is not None:
+                progress(factor, f"load factor {factor:.6g}  {outcome.iterations} iterations")
+        cut = f", {self.cuts} of them cut" if self.cuts else ""
+        return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
+
+    def close(self) -> None:
+        """Keep the last state."""
+        if self.kept < self.factor:
+            self._keep()
+
+    def _keep(self) -> None:
+        r = self.x[: self.newton.disc.nodes, :3]
+        self.recorder.keep(self.factor, self.factor, r, self.x, self.books, self.ledger.flows)
+        self.kept = self.factor
 
 
 def static_scheme(model: Model, formulation: Formulation | None) -> Scheme:

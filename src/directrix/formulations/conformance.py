@@ -64,16 +64,20 @@ def random_states(rng: np.random.Generator, element: Element, layout: Layout, co
 
 
 def check_formulation(
-    element: Element, layout: Layout, *, static: bool, states: int = 1000, largest: float = 1e3, seed: int = 0
-) -> Conformance:
-    """Measure what :class:`Conformance` names on ``states`` random elements, with rotations up to ``largest`` rad."""
+    element: Element, layout: Layout, *, static: bool, states: int = 1000, largest: float = 1e3, turn: float = 1.0,
+    seed: int = 0,
+) -> Conformance:  # fmt: skip
+    """Measure what :class:`Conformance` names on ``states`` random elements, with rotations up to ``largest`` rad.
+
+    ``turn`` is the size of the rotations inside an element; near π logarithms of rotations lose digits.
+    """
     rng = np.random.default_rng(seed)
     p, common = random_parameters(rng, layout), [3.0, 2.0, 0.4]
-    x = random_states(rng, element, layout, states)
-    turn = exp(rng.uniform(-1.0, 1.0, (states, 3)) * largest / np.sqrt(3.0))
-    moved = _turned(x, layout, turn, only_end=static)
+    x = random_states(rng, element, layout, states, turn)
+    whole = exp(rng.uniform(-1.0, 1.0, (states, 3)) * largest / np.sqrt(3.0))
+    moved = _turned(x, layout, whole, only_end=static)
     f, g = (_forces(element, layout, y, p, common) for y in (x, moved))
-    expected = np.einsum("sij,snj->sni", turn, f.reshape(states, -1, 3)).reshape(f.shape)
+    expected = np.einsum("sij,snj->sni", whole, f.reshape(states, -1, 3)).reshape(f.shape)
     objectivity = float((np.abs(g - expected).max(axis=1) / np.abs(f).max(axis=1)).max())
     still = _forces(element, layout, x, p, [0.0] * 3)
     at = x[:, : layout.nn, :3] - (0.0 if static else 0.5) * x[:, : layout.nn, 12:15]

@@ -22,8 +22,9 @@ class Alpha:
         q = Δt v0 + Δt² ((½ − β) a0 + β a1),   v1 = v0 + Δt ((1 − γ) a0 + γ a1)
         (1 − α_m) a1 + α_m a0 = (1 − α_f) v̇1 + α_f v̇0
 
-    Angular velocities in the frame of the node. Order 2 when γ = ½ + α_f − α_m; nothing is conserved exactly.
-    Loads act with their values at t1. Built by :func:`GeneralizedAlpha`, :func:`HilberHughesTaylor`, :func:`Newmark`.
+    Angular velocities in the frame of the node. Order 2 when γ = ½ + α_f − α_m, else 1; energy and angular momentum
+    are not conserved, linear momentum only while nothing acts. Loads act with their values at t1. Built by
+    :func:`GeneralizedAlpha`, :func:`HilberHughesTaylor`, :func:`Newmark`.
     """
 
     alpha_m: float
@@ -42,6 +43,11 @@ class Alpha:
                 raise ModelError(f"{name} = {getattr(self, name):g} is not less than 1", "give less than 1")
         number(self.beta, "beta", above=0.0)
         number(self.gamma, "gamma", above=0.0)
+
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        return 2 if abs(self.gamma - 0.5 - self.alpha_f + self.alpha_m) < 1e-12 else 1
 
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""

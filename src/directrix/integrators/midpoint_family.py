@@ -16,7 +16,9 @@ from directrix.formulations.directors import Directors, DirectorStep, Rule
 from directrix.integrators.protocol import Formulation
 from directrix.scheme import Rates, Scheme
 
-__all__ = ["EnergyDissipating", "EnergyMomentum", "Midpoint"]
+__all__ = ["LARGEST_CHI", "EnergyDissipating", "EnergyMomentum", "Midpoint"]
+
+LARGEST_CHI = 1.0 / 3.0
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,11 @@ class EnergyMomentum:
     conserves_energy: ClassVar[bool] = True
     conserves_momenta: ClassVar[bool] = True
     damping: ClassVar[bool] = True
+
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        return 2
 
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""
@@ -47,6 +54,11 @@ class Midpoint:
     conserves_momenta: ClassVar[bool] = True
     damping: ClassVar[bool] = True
 
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        return 2
+
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""
         return Scheme(DirectorStep(Rule(w0=0.0, w1=0.0, wh=1.0)), Rates.MIDPOINT, (2.0 / dt, 1.0 / dt))
@@ -60,7 +72,8 @@ class EnergyDissipating:
     (``chi_velocity``), high frequencies first; a steady rotation is kept. With ``chi_velocity`` > 0 the mass is lumped
     at the nodes. Both zero is :class:`EnergyMomentum`. Order 1 where χ > 0, in what it dissipates.
 
-    Raises ModelError unless chi_stress ≥ 0 and 0 ≤ chi_velocity < 1.
+    Raises ModelError unless chi_stress ≥ 0 and 0 ≤ chi_velocity < 1/3: with v1 = 2w/(1 + g) − v0, w = Δx/Δt, a
+    larger value leaves more than one |v1| to a w that reverses v0 (and above 0.2 the iteration is the worse for it).
     """
 
     chi_stress: float = 0.5
@@ -73,8 +86,16 @@ class EnergyDissipating:
 
     def __post_init__(self) -> None:
         number(self.chi_stress, "chi_stress", least=0.0)
-        if number(self.chi_velocity, "chi_velocity", least=0.0) >= 1.0:
-            raise ModelError(f"chi_velocity = {self.chi_velocity:g} is not less than 1", "give 0 ≤ chi_velocity < 1")
+        if number(self.chi_velocity, "chi_velocity", least=0.0) >= LARGEST_CHI:
+            raise ModelError(
+                f"chi_velocity = {self.chi_velocity:g} is not less than 1/3: a step could end with several velocities",
+                "give 0 ≤ chi_velocity < 1/3",
+            )
+
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        return 1 if self.chi_stress or self.chi_velocity else 2
 
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""

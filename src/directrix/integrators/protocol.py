@@ -27,6 +27,11 @@ class Integrator(Protocol):
     damping: ClassVar[bool]
     """Sections may be damped."""
 
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        ...
+
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""
         ...

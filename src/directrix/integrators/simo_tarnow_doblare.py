@@ -26,6 +26,11 @@ class SimoTarnowDoblare:
     conserves_momenta: ClassVar[bool] = True
     damping: ClassVar[bool] = False
 
+    @property
+    def order(self) -> int:
+        """In Δt."""
+        return 2
+
     def scheme(self, dt: float) -> Scheme:
         """One step of length ``dt``."""
         return Scheme(SimoTarnowDoblareStep(), Rates.SPIN, (2.0 / dt, 1.0 / dt))

@@ -16,7 +16,10 @@ CV, CA, H, BETA, GAMMA, AM, AF = range(7)
 
 @compiled
 def dissipative(w, v0, chi, v1, slope):
-    """v1 (3,) with (1 + g) ½(v0 + v1) = w, g = chi (|v1| − |v0|)/(|v1| + |v0|); ``slope`` (3, 3) = dv1/dw."""
+    """v1 (3,) with (1 + g) ½(v0 + v1) = w, g = chi (|v1| − |v0|)/(|v1| + |v0|); ``slope`` (3, 3) = dv1/dw.
+
+    One scalar unknown, s = |v1|, and for chi < 1/3 one solution.
+    """
     s0 = sqrt(v0[0] * v0[0] + v0[1] * v0[1] + v0[2] * v0[2])
     for i in range(3):
         v1[i] = 2.0 * w[i] - v0[i]
@@ -88,8 +91,10 @@ def _turn(x, out):
 def begin(kind, carried, nodes, x, g):
     """Prepare the place of the rates: predictors for ALPHA (see ``DirectorAcceleration``), R0 where rotations are
     carried from iteration to iteration; others need nothing."""
-    if carried:
-        x[:nodes, 27:36] = x[:nodes, 15:24]
+    # here and elsewhere loops in place of slices that are assigned: those take two seconds more to compile
+    for node in range(nodes if carried else 0):
+        for i in range(9):
+            x[node, 27 + i] = x[node, 15 + i]
     if kind != ALPHA:
         return
     h, beta, gamma, am, af = g[H], g[BETA], g[GAMMA], g[AM], g[AF]

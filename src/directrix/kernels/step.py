@@ -25,6 +25,7 @@ __all__ = [
     "begin",
     "books",
     "finish",
+    "imbalance",
     "move",
     "newton",
     "spread",
@@ -135,7 +136,7 @@ def carry(tables, work, x, g):
 
 
 @compiled
-def _imbalance(work, mask, tolerance, floor):
+def imbalance(work, mask, tolerance, floor):
     """Largest unbalanced force or moment over what is allowed, and its node."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
@@ -167,7 +168,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         if control[PHASE] == 0:
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
-                control[BLAME] = _imbalance(work, mask, tolerance, floor)[1]
+                control[BLAME] = imbalance(work, mask, tolerance, floor)[1]
                 return LIMIT
             control[ITERATION] += 1
             bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
@@ -196,7 +197,7 @@ def newton(tables, work, x, g, external, mask, options, control):
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g, external)
-            worst, at = _imbalance(work, mask, tolerance, floor)
+            worst, at = imbalance(work, mask, tolerance, floor)
             control[BLAME] = at
             if worst <= 1.0:
                 return CONVERGED
@@ -259,8 +260,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     for i in range(3):
         work.flow[2 + i], work.flow[5 + i] = force[i], moment[i]
     damped = tables.damping.shape[0] > 0
-    if damped:
-        work.before[:] = strains
+    for point in range(strains.shape[0] if damped else 0):
+        for i in range(6):
+            work.before[point, i] = strains[point, i]
     books(tables, work, x, totals, strains)
     if damped:
         lost += _dissipated(tables.damping, work.before, strains)

@@ -46,20 +46,25 @@ class BlockSparse:
         self._indices, self._indptr = tag.indices, tag.indptr
         self._entries: Ints = entries[np.asarray(tag.data, np.int64) - 1]
 
-    def solve(self, blocks: Array, rhs: Array) -> Array | None:
-        """x (n, 6) with K x = rhs, or None when K is singular. ``blocks`` (blocks, 6, 6)."""
+    def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
+        """x with K x = rhs, or None when K is singular. ``blocks`` (blocks, 6, 6), ``rhs`` and x (…, n, 6).
+
+        ``at_limit`` says that K may be as good as singular, where only the direction of x counts: its residual is then
+        compared with |K||x| too.
+        """
         data = blocks.ravel()[self._entries]
         matrix = csc_matrix((data, self._indices, self._indptr), shape=(self.size, self.size))
-        b = np.empty(self.size)
-        b[self._order] = rhs.ravel()
-        size = np.linalg.norm(b)
+        b = np.empty((self.size, rhs.size // self.size))
+        b[self._order] = rhs.reshape(-1, self.size).T
+        size = np.linalg.norm(b, axis=0)
         for spec, pivot in (("NATURAL", 1e-3), ("COLAMD", 1.0)):
             try:
                 x = _factor(matrix, spec, pivot).solve(b)
             except RuntimeError:  # SuperLU: the factor is exactly singular
                 continue
-            if np.linalg.norm(b - matrix @ x) <= 1e-8 * size:
-                return x[self._order].reshape(-1, 6)
+            allowed = size + np.abs(data).max() * np.linalg.norm(x, axis=0) if at_limit else size
+            if np.all(np.linalg.norm(b - matrix @ x, axis=0) <= 1e-8 * allowed):
+                return x[self._order].T.reshape(rhs.shape)
         return None
 
 

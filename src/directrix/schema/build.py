@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from math import radians
 from typing import Any
 
 import numpy as np
 
+from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
 from directrix.model import Model, Vec, VecOrFn
@@ -21,7 +23,7 @@ from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
 
-__all__ = ["build_model", "placed"]
+__all__ = ["build_control", "build_model", "placed"]
 
 Add = Callable[[Model], Model]
 
@@ -49,6 +51,44 @@ def placed(source: Source, loc: Path) -> Generator[None]:
         raise
     except ModelError as error:
         raise InputError(error.what, error.fix, source.where(loc)) from None
+
+
+@dataclass(frozen=True)
+class Passed:
+    """``until`` of a case file: true when one of the ends it asks for is reached."""
+
+    most: float | None = None
+    least: float | None = None
+    reach: m.Reach | None = None
+
+    def __call__(self, snapshot: Snapshot) -> bool:
+        """Ask a state."""
+        factor, far = snapshot.load_factor, False
+        if self.reach is not None:
+            goal = self.reach.displacement
+            moved = float(snapshot.node(self.reach.node).displacement["xyz".index(self.reach.component)])
+            far = moved >= goal if goal > 0.0 else moved <= goal
+        return (
+            far or (self.most is not None and factor >= self.most) or (self.least is not None and factor <= self.least)
+        )
+
+
+def build_control(table: m.ArcLength | m.DisplacementControl | None) -> Control | None:
+    """The control that the table describes; None is load control. Raises ModelError."""
+    match table:
+        case None:
+            return None
+        case m.DisplacementControl():
+            return DisplacementControl(**_given(table))
+        case m.ArcLength():
+            ends = tuple(f for f in (table.max_load_factor, table.min_load_factor) if f is not None)
+            until = Passed(table.max_load_factor, table.min_load_factor, table.until)
+            return ArcLength(
+                table.ds,
+                until if ends or table.until is not None else None,
+                table.max_steps,
+                load_factors=(*table.load_factors, *ends),
+            )
 
 
 def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:

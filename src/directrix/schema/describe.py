@@ -11,7 +11,7 @@ from directrix.discretisation import Discretisation
 from directrix.model import DOFS, Distributed, Force, Gravity, Moment, RigidVelocity
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
 from directrix.schema.load import Case
-from directrix.schema.models import Statics
+from directrix.schema.models import ArcLength, DisplacementControl, Statics
 from directrix.section import Section
 
 Array = NDArray[np.float64]
@@ -61,7 +61,9 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
 def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     do, every = case.analysis, case.output.save_every
     if isinstance(do, Statics):
-        yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed; formulation {do.formulation}"
+        yield from _drive(do)
+        if do.formulation != "directors":
+            yield f"  formulation {do.formulation}"
     else:
         yield f"dynamics: t = 0 → {do.t_end:g} in {round(do.t_end / do.dt)} steps of {do.dt:g}"
         given = "".join(f", {k} = {v:g}" for k, v in do.parameters.items())
@@ -73,6 +75,26 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     rods = len(disc.mesh.rods)
     size = f"{rods} rod{'s' * (rods > 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
     yield f"  {size}, {shape}"
+
+
+def _drive(do: Statics) -> Iterator[str]:
+    match do.control:
+        case None:
+            yield f"statics: load factor 0 → 1 in {do.steps} steps, cut when needed"
+        case DisplacementControl() as to:
+            yield f"statics: {to.component} displacement of {to.node} → {to.to:g} in {to.steps} steps, cut when needed"
+        case ArcLength() as arc:
+            yield f"statics: along the path in steps of ds = {arc.ds:g}, {arc.max_steps} at most"
+            yield "  steps grow up to 4 ds, and are cut down to ds/4096 when needed"
+            bounds = {"or more": arc.max_load_factor, "or less": arc.min_load_factor}
+            ends = [f"the load factor is {value:g} {side}" for side, value in bounds.items() if value is not None]
+            if (far := arc.until) is not None:
+                side = "or more" if far.displacement > 0.0 else "or less"
+                ends.append(f"{far.component} of {far.node} has moved {far.displacement:g} {side}")
+            if ends:
+                yield f"  until {', or '.join(ends)}"
+    if do.control is not None and do.control.load_factors:
+        yield f"  stops on the way at load factors {', '.join(f'{f:g}' for f in do.control.load_factors)}"
 
 
 def _section(section: Section) -> Iterator[str]:

@@ -14,13 +14,24 @@ from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
+from directrix import controls
 from directrix.errors import InputError, ModelError
-from directrix.schema.build import build_model, placed
+from directrix.schema.build import build_control, build_model, placed
 from directrix.schema.messages import Source, explain
-from directrix.schema.models import PARAMETERS, CaseFile, Dynamics, Output, Scheme, Statics
+from directrix.schema.models import (
+    PARAMETERS,
+    ArcLength,
+    CaseFile,
+    DisplacementControl,
+    Dynamics,
+    Output,
+    Scheme,
+    Statics,
+)  # fmt: skip
 from directrix.schema.places import json_places, toml_places
 
 if TYPE_CHECKING:
+    from directrix.controls import Control
     from directrix.discretisation import Discretisation
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
@@ -65,6 +76,11 @@ class Case:
         refuse_damping(self.model, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
 
+    @property
+    def control(self) -> Control | None:
+        """What drives a static path; None is load control. Raises ModelError."""
+        return build_control(self.analysis.control) if isinstance(self.analysis, Statics) else None
+
     def run(self, progress: Callable[[float, str], None] | None = None) -> Result:
         """Solve it. Raises ModelError; a run that fails on the way is a Result with ``success`` False."""
         from directrix.dynamics import simulate
@@ -74,7 +90,8 @@ class Case:
         if isinstance(do, Statics):
             return solve_static(
                 self.model,
-                do.steps,
+                None if do.control is not None else do.steps,
+                control=self.control,
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
                 save_every=save_every,
@@ -138,14 +155,27 @@ def load_case(path: str | PathLike[str]) -> Case:
     assert analysis is not None  # one of them, says the schema
     case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
     try:
-        case.check()
+        disc = case.check()
     except ModelError as error:
         build_model(tables, title, source, check_each=True)
         # no entry is to blame alone: name the rod that is spoken of, or the analysis
         spoken = [("rod", k) for k, rod in enumerate(tables.rod) if repr(rod.name) in error.what]
         with placed(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",)):
             raise
+    if tables.statics is not None and tables.statics.control is not None:
+        with placed(source, ("statics", "control")):
+            _check_control(case.control, disc, tables.statics.control)
     return case
+
+
+def _check_control(control: Control | None, disc: Discretisation, table: ArcLength | DisplacementControl) -> None:
+    """Look for the nodes that a control names."""
+    from directrix.gauge import driven
+
+    if isinstance(control, controls.DisplacementControl):
+        driven(control, disc)
+    elif isinstance(table, ArcLength) and table.until is not None:
+        disc.mesh.node(table.until.node)
 
 
 def json_schema() -> dict[str, Any]:

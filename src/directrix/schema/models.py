@@ -236,16 +236,73 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
 }
 
 
+class Reach(Strict):
+    """A displacement of a node that is to be reached."""
+
+    node: Name
+    component: Literal["x", "y", "z"]
+    displacement: float
+    """From the reference; reached when it is this much or more, in the sense of its sign."""
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        if self.displacement == 0.0:
+            raise refuse("a displacement of 0 has no sense to be reached in", "give a small one", "displacement")
+        return self
+
+
+LoadFactors = Annotated[tuple[float, ...], Field(strict=False)]
+
+
+class ArcLength(Strict):
+    """Follow the path by its own length: the load factor may rise and fall."""
+
+    kind: Literal["arc-length"]
+    ds: Positive
+    """Length of the first step; steps grow up to 4 ds and shrink down to ds/4096."""
+    max_steps: Annotated[int, Field(ge=1, le=1_000_000)] = 200
+    max_load_factor: float | None = None
+    """The run ends where the load factor rises to this."""
+    min_load_factor: float | None = None
+    """The run ends where the load factor falls to this."""
+    until: Reach | None = None
+    """The run ends when a node has moved so far."""
+    load_factors: LoadFactors = ()
+    """Load factors to stop at on the way, wherever the path crosses them."""
+
+
+class DisplacementControl(Strict):
+    """Drive one displacement of one node to a value; the load factor follows."""
+
+    kind: Literal["displacement"]
+    node: Name
+    component: Literal["x", "y", "z"]
+    to: float
+    """Displacement from the reference to reach."""
+    steps: Annotated[int, Field(ge=1, le=1_000_000)] = 10
+    """Equal parts of the way; they are cut when needed."""
+    load_factors: LoadFactors = ()
+    """Load factors to stop at on the way, wherever the path crosses them."""
+
+
 class Statics(Strict):
-    """Equilibria while the load factor goes from 0 to 1."""
+    """Equilibria while the load factor goes from 0 to 1, or along the path of a control."""
 
     formulation: Formulation = "directors"
     """The others are there for comparison."""
 
     steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10
-    """Equal parts of the load path; they are cut when needed."""
+    """Equal parts of the load path; they are cut when needed. Not with a control."""
+    control: Annotated[ArcLength | DisplacementControl, Field(discriminator="kind")] | None = None
+    """What drives the path in place of the load factor."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
+
+    @model_validator(mode="after")
+    def _one_drive(self) -> Self:
+        if self.control is not None and "steps" in self.model_fields_set:
+            raise refuse("steps are those of load control, and there is a control", "leave steps out", "steps")
+        return self
 
 
 class Dynamics(Strict):
@@ -257,7 +314,7 @@ class Dynamics(Strict):
     integrator: Scheme = "energy-momentum"
     chi_stress: NotNegative | None = None
     """energy-dissipating: what a step takes from changes of strain; 0.5 unless given."""
-    chi_velocity: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
+    chi_velocity: Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)] | None = None
     """energy-dissipating: what a step takes from changes of speed, on a lumped mass; 0 unless given."""
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     """generalized-alpha: spectral radius at infinity; 0.8 unless given."""

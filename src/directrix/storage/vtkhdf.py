@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from directrix.audit import Audit, Entry
 from directrix.errors import InputError
-from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status
+from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
 
 Array = NDArray[np.float64]
 
@@ -214,6 +214,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         "rod_names": [rod.name for rod in mesh.rods],
         "node_names": {name: int(k) for name, k in mesh.node_names.items()},
         "mesh_notes": mesh.notes,
+        "turning_points": [asdict(point) for point in result.turning_points],
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
@@ -263,6 +264,8 @@ def _read_result(root: Any) -> Result:
         status=Status(**text("status")),
         audit=Audit(**audit),
         info=text("info"),
+        # a file from before there were any has none
+        turning_points=tuple(TurningPoint(**p) for p in text("turning_points")) if "turning_points" in root else (),
     )
 
 
