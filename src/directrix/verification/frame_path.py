@@ -68,7 +68,7 @@ class ExactFrame:
         k = len(y)
 
         def slope(_: float, flat: Array) -> Array:
-            _, _, theta, m = flat.reshape(4, k)
+            theta, m = flat.reshape(4, k)[2:]
             c, s = np.cos(theta), np.sin(theta)
             axial = 1.0 + (c * n[:, 0] + s * n[:, 1]) / self.EA
             shear = (-s * n[:, 0] + c * n[:, 1]) / self.GA
@@ -95,23 +95,33 @@ class ExactFrame:
         _, at_load = self._march(unknowns[None], tight)
         return State(unknowns * scale, float(at_load[0, 0]), float(at_load[0, 1]))
 
-    def path(self, length: float, step: float = 4.0) -> list[State]:
-        """The primary path up to a length in the plane of u and v, roughly integrated."""
-        states = [State(np.zeros(4), 0.0, 0.0)]
-        first = self._find(lambda _, at: (at[:, 1] - 1.0) / SIDE, np.zeros(4), tight=False)
-        states.append(first)
-        gone = float(np.hypot(first.u, first.v))
-        while gone < length:
+    def path(self, last_load: float, step: float = 4.0, most: int = 400) -> list[State]:
+        """The primary path, roughly integrated, until the load passes ``last_load`` (above the maximum).
+
+        Steps have a length in the space of u, v and the load (in units of EI/4 SIDE²); sharp bends are taken in halves.
+        """
+        unit = self._scale()[3] / 4.0
+        start = self._find(lambda _, at: (at[:, 1] - 1.0) / SIDE, np.zeros(4), tight=False)
+        states = [State(np.zeros(4), 0.0, 0.0), start]
+        reach = step
+        while len(states) < most and not (len(states) > 2 and states[-1].load > last_load):
             a, b = states[-2:]
-            way = np.array([b.u - a.u, b.v - a.v])
+            here = np.array([b.u, b.v, b.load / unit])
+            way = here - np.array([a.u, a.v, a.load / unit])
             size = float(np.linalg.norm(way))
-            start, direction = np.array([b.u, b.v]), way / size
 
-            def ahead(_: Array, at: Array, start: Array = start, direction: Array = direction) -> Array:
-                return ((at - start) @ direction - step) / SIDE
+            def ahead(
+                z: Array, at: Array, here: Array = here, direction: Array = way / size, reach: float = float(reach)
+            ) -> Array:
+                return ((np.column_stack([at, z[:, 3] / unit]) - here) @ direction - reach) / SIDE
 
-            states.append(self._find(ahead, b.unknowns + (b.unknowns - a.unknowns) * step / size, tight=False))
-            gone += float(np.hypot(states[-1].u - b.u, states[-1].v - b.v))
+            try:
+                found = self._find(ahead, b.unknowns + (b.unknowns - a.unknowns) * reach / size, tight=False)
+            except ArithmeticError:
+                reach *= 0.5
+                continue
+            states.append(found)
+            reach = min(step, 2.0 * reach)
         return states
 
     def at_load(self, load: float, near: State) -> State:
@@ -124,7 +134,7 @@ class ExactFrame:
         loads = np.array([s.load for s in path])
         turns = np.flatnonzero(np.diff(np.sign(np.diff(loads))) != 0) + 1
         found: list[State] = []
-        for k in turns:
+        for k in map(int, turns):
             sign = -1.0 if loads[k] > loads[k - 1] else 1.0
             last = path[k]
 
