@@ -150,3 +150,16 @@ def test_arguments_that_cannot_be_right_are_refused_by_name(change: dict, names:
     with pytest.raises(dx.ModelError, match=names) as error:
         dx.simulate(flying(), **{"t_end": 1.0, "dt": 0.1, **change})
     assert error.value.fix
+
+
+def test_a_step_that_the_first_damping_does_not_solve_is_tried_with_another() -> None:
+    """A violent start on two elements: one step of it needs more than 50 iterations, and then it goes on exactly."""
+    model = (
+        dx.Model()
+        .rod(dx.line((0, 0, 0), (2, 1, -2), d1=(0, 1, 0)), section(), name="rod", ends=("a", "b"), elements=2, order=1)
+        .velocity("a", (0.390625, 0.0, -0.921875), omega=(1.0, 0.5, 0.0))
+        .velocity("b", (0.0, 0.125, 0.9375))
+        .force("b", (0, 1, 0))
+    )
+    result = dx.simulate(model, t_end=1.0, dt=0.05)
+    assert result.success and result.audit.passed and result.iterations.max() > 50

@@ -105,6 +105,7 @@ def test_a_motion_runs_back(rod: Rod) -> None:
     model = rod.model()
     there = dx.simulate(model, t_end=1.0, dt=0.05)
     back = dx.simulate(model, t_end=2.0, dt=0.05, start=replace(there, v=-there.v, Rdot=-there.Rdot))
+    assert there.success and back.success
     for now, then in ((back.r[-1], there.r[0]), (back.R[-1], there.R[0]), (back.v[-1], -there.v[0])):
         np.testing.assert_allclose(now, then, rtol=0, atol=1e-8)
 

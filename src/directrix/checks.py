@@ -13,13 +13,33 @@ from directrix.errors import ModelError
 
 Vec = tuple[float, float, float]
 
-__all__ = ["Vec", "choice", "nearest", "number", "text", "vector", "whole"]
+__all__ = ["Vec", "choice", "flag", "nearest", "number", "shown", "text", "vector", "whole"]
+
+
+def shown(value: Any) -> str:
+    """A value in few characters, whatever it is."""
+    try:
+        text = repr(value)
+    except Exception:  # a repr of the user's own, or Python's limit on digits
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def flag(value: Any, what: str) -> bool:
+    """True or False; raises ModelError that names ``what``."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ModelError(f"{what} = {shown(value)} is neither True nor False", "give True or False")
+    return bool(value)
 
 
 def number(value: Any, what: str, *, above: float | None = None, least: float | None = None) -> float:
     """A finite float, above or at least a bound; raises ModelError that names ``what``."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise ModelError(f"{what} = {value!r} is not a number", "give a finite number")
+        raise ModelError(f"{what} = {shown(value)} is not a number", "give a finite number")
+    try:
+        value = float(value)
+    except OverflowError:
+        value = np.inf
     if not np.isfinite(value):
         raise ModelError(f"{what} = {value} is not finite", "give a finite number")
     if above is not None and not value > above:
@@ -34,36 +54,36 @@ def whole(value: Any, what: str, low: int, high: int | None = None) -> int:
     good = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not good or value < low or (high is not None and value > high):
         span = f"{low} or more" if high is None else f"{low} … {high}"
-        raise ModelError(f"{what} = {value!r} is not a whole number, {span}", f"give a whole number, {span}")
+        raise ModelError(f"{what} = {shown(value)} is not a whole number, {span}", f"give a whole number, {span}")
     return int(value)
 
 
 def vector(value: Any, what: str) -> Vec:
     """Three finite numbers; raises ModelError that names ``what``."""
     try:
-        v = np.asarray(value, float)
-    except (TypeError, ValueError):
+        v = np.asarray(value, object)
+    except Exception:  # whatever a foreign array may raise
         v = np.empty(0)
-    if v.shape != (3,):
-        raise ModelError(f"{what} = {value!r} is not three numbers", "give (x, y, z)")
-    if not np.all(np.isfinite(v)):
-        raise ModelError(f"{what} = {value!r} is not finite", "give three finite numbers")
-    return float(v[0]), float(v[1]), float(v[2])
+    if v.shape != (3,) or np.ma.is_masked(value):
+        raise ModelError(f"{what} = {shown(value)} is not three numbers", "give (x, y, z)")
+    x, y, z = (number(c, f"{what} = {shown(value)}: component {k}") for k, c in zip("xyz", v, strict=True))
+    return x, y, z
 
 
 def text(value: Any, what: str) -> str:
     """A name that is not empty; raises ModelError that names ``what``."""
     if not isinstance(value, str) or not value.strip():
-        raise ModelError(f"{what} = {value!r} is not a name", "give a text that is not empty")
+        raise ModelError(f"{what} = {shown(value)} is not a name", "give a text that is not empty")
     return value
 
 
 def choice(value: Any, what: str, allowed: Iterable[str]) -> str:
     """One of some words; raises ModelError that names ``what``, the words and the nearest one."""
     allowed = list(allowed)
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise ModelError(
-            f"there is no {what} {value!r}", f"{nearest(str(value), allowed)}use one of {', '.join(allowed)}"
+            f"there is no {what} {shown(value)}",
+            f"{nearest(value if isinstance(value, str) else '', allowed)}use one of {', '.join(allowed)}",
         )
     return str(value)
 

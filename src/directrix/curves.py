@@ -72,12 +72,14 @@ def _options(directors: str, d1: Any) -> tuple[str, Vec | None]:
 def _points(points: Any, what: str, least: int) -> tuple[Vec, ...]:
     try:
         given = tuple(vector(p, f"point {k} of the {what}") for k, p in enumerate(points))
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
+        if isinstance(error, ModelError):
+            raise
         raise ModelError(f"the points of a {what} are not a list of points", "give [(x, y, z), …]") from error
     if len(given) < least:
         raise ModelError(f"a {what} needs {least} points or more, {len(given)} given", "add points")
     for k, (a, b) in enumerate(pairwise(given)):
-        if np.linalg.norm(np.subtract(b, a)) <= 1e-12 * max(1.0, np.abs(given).max()):
+        if np.linalg.norm(np.subtract(b, a)) <= 1e-12 * np.abs(given).max():
             raise ModelError(f"points {k} and {k + 1} of the {what} are the same, {a}", "remove one of them")
     return given
 
@@ -384,8 +386,11 @@ def helix(
 def spline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Spline:
     """A smooth axis through points (k, 3), k ≥ 3: cubic spline by chord length.
 
-    Raises ModelError for fewer than three points or coincident neighbours.
+    Raises ModelError for fewer than three points, coincident neighbours or a point where the axis turns back.
     """
     curve = Spline(_points(points, "spline", 3), *_options(directors, d1))
-    curve.frames(0.0, 0.0)
+    with np.errstate(all="ignore"):
+        frames = curve._table[3]  # pyright: ignore[reportPrivateUsage]
+    if not np.all(np.isfinite(frames)):
+        raise ModelError("the spline turns back on itself in a point", "insert a point there or end the rod there")
     return curve

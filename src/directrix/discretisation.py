@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import gauss, lagrange
+from directrix.checks import shown, vector
 from directrix.errors import ModelError
 from directrix.formulations.element import Committed, Element
 from directrix.formulations.layout import Layout
@@ -288,17 +289,15 @@ def _lumped(n: int, groups: Sequence[Group]) -> Array:
 
 def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
     if not callable(value):
-        vector = np.asarray(value, float)
-        return (lambda t: t * vector) if ramp else (lambda t: vector)
+        given = np.asarray(value, float)
+        return (lambda t: t * given) if ramp else (lambda t: given)
 
     def checked(t: float) -> Array:
         try:
-            out = np.asarray(value(t), float)
-        except (TypeError, ValueError) as error:
-            raise ModelError(f"{what} at t = {t:.6g}: {error}", "return three numbers") from error
-        if out.shape != (3,) or not np.all(np.isfinite(out)):
-            raise ModelError(f"{what} gives {out} at t = {t:.6g}", "return three finite numbers for every t")
-        return out
+            out = value(t)
+        except Exception as error:  # whatever a user's function raises
+            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return three numbers for every t") from error
+        return np.array(vector(out, f"{what} at t = {t:.6g}"))
 
     return checked
 
@@ -345,6 +344,8 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
 
 def discretise(model: Model, scheme: Scheme) -> Discretisation:
     """Mesh the model and number its unknowns; raises ModelError for a model that cannot be solved."""
+    if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
     model.check(**({"dynamic": True} if dynamic else {"static": True}))
     names: dict[str, int] = {}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
-
 from directrix.audit import DynamicBooks
+from directrix.checks import choice, number, shown, whole
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.model import Model
 from directrix.newton import Newton, Settings
@@ -66,10 +66,13 @@ def simulate(
     ModelError
         The model or an argument cannot be right.
     """
-    integrator = integrator or EnergyMomentum()
-    _refuse(formulation, integrator, load_rule, save_every)
+    integrator = EnergyMomentum() if integrator is None else integrator
+    _refuse(formulation, integrator, load_rule)
+    refuse_strategies(formulation, progress)
+    save_every = whole(save_every, "save_every", 1, 10**9)
+    t_end, dt = number(t_end, "t_end"), number(dt, "dt", above=0.0)
     refuse_damping(model, integrator)
-    t0 = float(start.t[-1]) if start is not None and start.kind == "dynamic" else 0.0
+    t0 = float(start.t[-1]) if isinstance(start, Result) and start.kind == "dynamic" else 0.0
     steps = _count(t0, t_end, dt)
     scheme = integrator.scheme(dt)
     disc = discretise(model, scheme)
@@ -133,34 +136,25 @@ def simulate(
     return result
 
 
-def _refuse(formulation: object, integrator: object, load_rule: str, save_every: int) -> None:
-    if not hasattr(integrator, "scheme"):
+def _refuse(formulation: object, integrator: object, load_rule: str) -> None:
+    if isinstance(integrator, type) or not hasattr(integrator, "scheme"):
         raise ModelError(
-            f"{integrator!r} is not an integrator", "use dx.EnergyMomentum(), dx.Midpoint(), …", "integrator="
+            f"{shown(integrator)} is not an integrator", "use dx.EnergyMomentum(), dx.Midpoint(), …", "integrator="
         )
     needs: Formulation = integrator.formulation  # type: ignore[attr-defined]
-    if formulation is not None and not isinstance(formulation, Formulation):
-        raise ModelError(f"{formulation!r} is not a formulation", "use dx.Directors()", "formulation=")
-    if formulation is not None and formulation != needs:
+    if isinstance(formulation, Formulation) and formulation != needs:
         raise ModelError(
             f"{integrator!r} does not go with {formulation!r}: {integrator.why}",  # type: ignore[attr-defined]
             f"use formulation=dx.{needs!r}, or leave it out",
             "formulation=",
         )
-    if load_rule not in ("midpoint", "average"):
-        raise ModelError(f"there is no load rule {load_rule!r}", 'use "midpoint" or "average"', "load_rule=")
-    if not save_every >= 1 or save_every != int(save_every):
-        raise ModelError(
-            f"save_every = {save_every} is not a positive whole number",
-            "save every 1, 2, … steps",
-            "save_every=",
-        )
+    choice(load_rule, "load_rule", ("midpoint", "average"))
 
 
 def refuse_damping(model: Model, integrator: Integrator) -> None:
     """Raise ModelError when a section is damped and the integrator has no form for that."""
     for rod in model.rods:
-        if np.any(rod.section.damping) and not integrator.damping:
+        if rod.section.damping.any() and not integrator.damping:
             raise ModelError(
                 f"the section of rod {rod.name!r} is damped, and {integrator!r} has no form for that",
                 "use a step of the midpoint family, e.g. dx.EnergyMomentum(), or leave damping= out",
@@ -169,10 +163,12 @@ def refuse_damping(model: Model, integrator: Integrator) -> None:
 
 
 def _count(t0: float, t_end: float, dt: float) -> int:
-    if not (np.isfinite(dt) and dt > 0.0):
-        raise ModelError(f"dt = {dt} is not a positive time", "give the step in the units of the model", "dt=")
-    if not (np.isfinite(t_end) and t_end > t0):
+    if not t_end > t0:
         raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
+    if not (t_end - t0) / dt < 1e12:
+        raise ModelError(
+            f"dt = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", "dt=, t_end="
+        )
     steps = round((t_end - t0) / dt)
     if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
         near = max(1, steps)

@@ -9,7 +9,7 @@ from typing import Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from directrix.checks import Vec, choice, nearest, text, vector, whole
+from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
 from directrix.section import Section
@@ -17,6 +17,7 @@ from directrix.section import Section
 VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
+MOST = 1_000_000  # elements of a rod
 
 __all__ = [
     "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Prescribed", "RigidVelocity", "Rod", "Support",
@@ -175,23 +176,25 @@ class Model:
             raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
         if not all(hasattr(curve, a) for a in ("position", "frames", "length", "breaks")):
             raise ModelError(
-                f"{where}: {curve!r} is not a curve",
+                f"{where}: {shown(curve)} is not a curve",
                 "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline",
             )
         if not isinstance(section, Section):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ModelError(f"{where}: {section!r} is not a section", "use dx.Section")
+            raise ModelError(f"{where}: {shown(section)} is not a section", "use dx.Section")
         pair: Any = ends if ends is not None else (f"{name}.start", f"{name}.end")
-        if isinstance(pair, str) or len(pair) != 2:
-            raise ModelError(f"{where}: ends = {pair!r} are not two names", 'give ends=("A", "B")')
-        start, end = (text(e, f"{where}: name of an end") for e in pair)
+        if not isinstance(pair, (tuple, list)) or len(cast("list[Any]", pair)) != 2:
+            raise ModelError(f"{where}: ends = {shown(pair)} are not two names", 'give ends=("A", "B")')
+        start, end = (text(e, f"{where}: name of an end") for e in cast("list[Any]", pair))
         if start == end:
             raise ModelError(f"{where}: both ends are called {start!r}", "a closed ring needs two rods")
         order = whole(order, f"{where}: order", 1, 3)
-        elements = whole(elements, f"{where}: elements", 1)
+        elements = whole(elements, f"{where}: elements", 1, MOST)
+        if not 0.0 < curve.length < np.inf:
+            raise ModelError(f"{where}: its axis is {curve.length:g} long", "give it a finite length")
         if points is not None:
             points = whole(points, f"{where}: points", 1, order + 1)
         inner: list[tuple[str, float]] = []
-        for node, fraction in dict(nodes or {}).items():
+        for node, fraction in _named(nodes, where):
             inner.append(_interior(where, node, fraction, (start, end, *(n for n, _ in inner))))
         return replace(
             self,
@@ -200,9 +203,9 @@ class Model:
 
     def split(self, rod: str, nodes: Mapping[str, float]) -> Self:
         """Name interior nodes of a rod by their fractions of its arclength."""
-        old = self._rod(rod)
+        old = self._rod(text(rod, "name of a rod"))
         inner = list(old.nodes)
-        for node, fraction in nodes.items():
+        for node, fraction in _named(nodes, f"rod {rod!r}"):
             inner.append(_interior(f"rod {rod!r}", node, fraction, (*old.ends, *(n for n, _ in inner))))
         new = replace(old, nodes=tuple(inner))
         return replace(self, rods=tuple(new if r is old else r for r in self.rods))
@@ -251,13 +254,15 @@ class Model:
         Dead, or with ``follower`` turning with the node: F = R f, R its rotation from the reference.
         """
         node = text(node, "name of a node")
-        new = Force(node, _value(f, f"force on node {node!r}"), constant, follower)
+        new = Force(node, _value(f, f"force on node {node!r}"), flag(constant, "constant"), flag(follower, "follower"))
         return replace(self, loads=(*self.loads, new))
 
     def moment(self, node: str, m: Any, *, constant: bool = False, follower: bool = False) -> Self:
         """Spatial moment on a node: a vector or a function of time; with ``follower`` it turns with the node."""
         node = text(node, "name of a node")
-        new = Moment(node, _value(m, f"moment on node {node!r}"), constant, follower)
+        new = Moment(
+            node, _value(m, f"moment on node {node!r}"), flag(constant, "constant"), flag(follower, "follower")
+        )
         return replace(self, loads=(*self.loads, new))
 
     def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
@@ -265,14 +270,17 @@ class Model:
         rod = text(rod, "name of a rod")
         return replace(
             self,
-            loads=(*self.loads, Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), constant)),
+            loads=(
+                *self.loads,
+                Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), flag(constant, "constant")),
+            ),
         )
 
     def gravity(self, g: Any, *, constant: bool = False) -> Self:
         """Acceleration of gravity: a vector or a function of time."""
         if any(isinstance(load, Gravity) for load in self.loads):
             raise ModelError("gravity is given twice", "give one vector")
-        return replace(self, loads=(*self.loads, Gravity(_value(g, "gravity"), constant)))
+        return replace(self, loads=(*self.loads, Gravity(_value(g, "gravity"), flag(constant, "constant"))))
 
     def velocity(self, node: str, v: Any, omega: Any = (0, 0, 0)) -> Self:
         """Initial velocity of this node alone (the shape functions do the rest)."""
@@ -438,14 +446,19 @@ class Model:
                 )
 
 
+def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:
+    if nodes is not None and not isinstance(nodes, Mapping):
+        raise ModelError(f"{where}: nodes = {shown(nodes)} are not names with fractions", 'give nodes={"P": 0.5}')
+    return list(cast("Mapping[Any, Any]", nodes or {}).items())
+
+
 def _interior(where: str, node: Any, fraction: Any, taken: tuple[str, ...]) -> tuple[str, float]:
     node = text(node, f"{where}: name of an interior node")
     if node in taken:
         raise ModelError(f"{where}: there are two nodes {node!r} on it", "give each node a name of its own")
-    good = isinstance(fraction, (int, float)) and not isinstance(fraction, bool)
-    if not good or not 0.0 < fraction < 1.0:
+    if not 0.0 < number(fraction, f"{where}: fraction of node {node!r}") < 1.0:
         raise ModelError(
-            f"{where}: node {node!r} at {fraction!r} is not inside the rod",
+            f"{where}: node {node!r} at {fraction} is not inside the rod",
             "give a fraction of its arclength between 0 and 1",
         )
     return node, float(fraction)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.checks import number
 from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
@@ -37,7 +38,7 @@ class Settings:
     rotation: str = "exponential"
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.tolerance < 1.0:
+        if not 0.0 < number(self.tolerance, "tolerance") < 1.0:
             raise ModelError(
                 f"tolerance = {self.tolerance} is not a relative tolerance",
                 "give a number between 0 and 1, e.g. 1e-9",
@@ -77,7 +78,7 @@ class Newton:
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"),
+                settings.iterations, float(settings.rotation == "cayley"), 1.0,
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
@@ -97,6 +98,15 @@ class Newton:
         """
         start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
+        if not self.scheme.static:  # a time step cannot be cut: it is tried again with other damping
+            for turn in (self.settings.largest_turn, 0.1):
+                if outcome.status is None or outcome.status.code != "not_converged":
+                    break
+                x[:] = start
+                self.options[4], self.options[7] = turn, 0.0
+                again = self._iterate(self.tables, x, external, moved)
+                outcome = Outcome(outcome.iterations + again.iterations, again.status)
+                self.options[4], self.options[7] = self.settings.largest_turn, 1.0
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
             x[:] = start
             outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)

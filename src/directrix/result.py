@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.checks import shown
 from directrix.errors import ModelError
 
 if TYPE_CHECKING:
@@ -67,9 +68,9 @@ class Mesh:
     def rod(self, name: str) -> RodMesh:
         """The rod called ``name``; raises ModelError with the names there are."""
         for rod in self.rods:
-            if rod.name == name:
+            if isinstance(name, str) and rod.name == name:  # pyright: ignore[reportUnnecessaryIsInstance]
                 return rod
-        raise ModelError(f"there is no rod {name!r}", f"rods: {', '.join(r.name for r in self.rods)}")
+        raise ModelError(f"there is no rod {shown(name)}", f"rods: {', '.join(r.name for r in self.rods)}")
 
     def node(self, name: str | int) -> int:
         """Index of a node given by name or index; raises ModelError with the names there are."""
@@ -77,9 +78,10 @@ class Mesh:
             if name in self.node_names:
                 return self.node_names[name]
             raise ModelError(f"there is no node {name!r}", f"nodes: {', '.join(self.node_names)}")
-        if 0 <= name < len(self.r0):
+        whole = isinstance(name, (int, np.integer)) and not isinstance(name, bool)  # pyright: ignore
+        if whole and 0 <= name < len(self.r0):
             return int(name)
-        raise ModelError(f"there is no node {name}", f"node indices are 0 … {len(self.r0) - 1}")
+        raise ModelError(f"there is no node {shown(name)}", f"node indices are 0 … {len(self.r0) - 1}")
 
     def label(self, index: int) -> str:
         """A name a user recognises: the node's own, or its place on a rod."""

@@ -24,18 +24,32 @@ __all__ = ["Section"]
 ORDERS = {"shear-axial": (0, 1, 2, 3, 4, 5), "axial-first": (1, 2, 0, 4, 5, 3)}
 
 
-def _matrix(value: Any, what: str, size: int) -> Array:
+def _numbers(value: Any) -> Array:
+    """An array of real numbers, (0,) when it is none."""
     try:
-        a = np.array(value, float)
-    except (TypeError, ValueError):
+        a = np.array(value)
+    except Exception:  # whatever a foreign array may raise
         a = np.empty(0)
+    return a.astype(float) if a.ndim and a.dtype.kind in "iuf" and not np.ma.is_masked(value) else np.empty(0)
+
+
+def _extent(value: Any, what: str) -> float:
+    """A length whose fourth power is a number."""
+    x = number(value, what, above=0.0)
+    if not 1e-60 < x < 1e60:
+        raise ModelError(f"{what} = {x:g} is out of reach of floating point", "use other units")
+    return x
+
+
+def _matrix(value: Any, what: str, size: int) -> Array:
+    a = _numbers(value)
     if a.shape != (size, size):
         raise ModelError(f"{what} is not a {size}×{size} matrix of numbers", f"give {size} rows of {size} numbers")
     if not np.all(np.isfinite(a)):
         raise ModelError(f"{what} is not finite", "give finite numbers")
     if np.abs(a - a.T).max() > 1e-9 * max(np.abs(a).max(), 1e-300):
         raise ModelError(f"{what} is not symmetric", "give ½(A + Aᵀ) if that is what is meant")
-    a = 0.5 * (a + a.T)
+    a = 0.5 * a + 0.5 * a.T
     a.setflags(write=False)
     return a
 
@@ -91,7 +105,9 @@ class Section:
         inertia = _matrix(self.I_rho, "I_rho of a section", 2)
         if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
             raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
-        outline = np.array(self.outline, float).reshape(-1, 2)
+        outline = _numbers(self.outline)
+        if outline.shape != (len(outline), 2) or not np.all(np.isfinite(outline)):
+            raise ModelError("the outline of a section is not a polygon", "give finite points (k, 2) in (d1, d2)")
         viscous = _damping(self.damping, c, rows)
         for a in (c, outline, viscous):
             a.setflags(write=False)
@@ -180,7 +196,7 @@ class Section:
         shear_factor: float | None = None, torsion_constant: float | None = None, damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """A solid circle. Shear factor 6(1 + ν)/(7 + 6ν) (Cowper 1966), torsion constant πr⁴/2 (exact)."""
-        r = number(radius, "radius", above=0.0)
+        r = _extent(radius, "radius")
         inertia = 0.25 * np.pi * r**4
         angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
         outline = r * np.stack([np.cos(angle), np.sin(angle)], -1)
@@ -199,7 +215,7 @@ class Section:
         shear_factor: float | None = None, torsion_constant: float | None = None, damping: ArrayLike = 0.0,
     ) -> Self:  # fmt: skip
         """A tube of outer radius ``outer``. Shear factor of Cowper (1966), torsion constant ½π(R⁴ − r⁴) (exact)."""
-        R, wall = number(outer, "outer", above=0.0), number(wall, "wall", above=0.0)
+        R, wall = _extent(outer, "outer"), _extent(wall, "wall")
         if not wall < R:
             raise ModelError(
                 f"wall = {wall:g} is not less than the outer radius {R:g}",
@@ -228,7 +244,7 @@ class Section:
 
         Shear factor 10(1 + ν)/(12 + 11ν) (Cowper 1966) in both directions; torsion constant by Saint-Venant's series.
         """
-        b, h = number(width, "width", above=0.0), number(height, "height", above=0.0)
+        b, h = _extent(width, "width"), _extent(height, "height")
         long, short = max(b, h), min(b, h)
         n = np.arange(1, 200, 2)
         series = np.sum(np.tanh(0.5 * n * np.pi * long / short) / n**5)

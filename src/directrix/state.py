@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.checks import shown
 from directrix.discretisation import Discretisation, rates_of
 from directrix.errors import ModelError
 from directrix.formulations.layout import HISTORY, PER_NODE
@@ -37,6 +38,8 @@ def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) ->
     rotation = np.broadcast_to(np.eye(3), (n, 3, 3))
     nodes[:, :3] = disc.mesh.r0
     if start is not None:
+        if not isinstance(start, Result):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ModelError(f"start = {shown(start)} is not a result", "give what simulate or solve_static returned")
         if start.r.shape[1] != n or not np.array_equal(start.mesh.r0, disc.mesh.r0):
             raise ModelError(
                 f"start= holds another mesh ({start.r.shape[1]} nodes, the model has {n})",

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
+from directrix.checks import choice, whole
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refuse_strategies
 from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
@@ -87,11 +88,10 @@ def solve_static(
         raise ModelError(f"control = {control!r} is no control", "use dx.ArcLength(…) or dx.DisplacementControl(…)")
     elif steps is not None:
         raise ModelError("steps= are those of load control", "leave it out: the control has its own", "steps=")
-    for name, value in (("steps", steps), ("save_every", save_every)):
-        if value is not None and (not value >= 1 or value != int(value)):
-            raise ModelError(f"{name} = {value} is not a positive whole number", "use 1, 2, …", f"{name}=")
-    if rotation not in ("exponential", "cayley"):
-        raise ModelError(f"there is no rotation update {rotation!r}", 'use "exponential" or "cayley"', "rotation=")
+    steps = None if steps is None else whole(steps, "steps", 1, 10**9)
+    save_every = whole(save_every, "save_every", 1, 10**9)
+    choice(rotation, "rotation update", ("exponential", "cayley"))
+    refuse_strategies(formulation, progress)
     if control is not None and isinstance(formulation, SimoVuQuoc):
         raise ModelError(
             "SimoVuQuoc() carries its rotations from iteration to iteration, a path has to know where its step began",

@@ -4,12 +4,12 @@
 import numpy as np
 
 from directrix.kernels.call import FACTORS, call_elimination
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import compiled, inner
 
 __all__ = ["solve_chain"]
 
 
-@compiled
+@inner
 def _reduce(w):
     """Gauss–Jordan with row pivoting on the left 6×6 of the 6×16 rows ``w``; smallest |pivot| / largest."""
     low, high = np.inf, 0.0
@@ -35,7 +35,7 @@ def _reduce(w):
     return low / high
 
 
-@compiled
+@inner
 def _eliminate(row, before, rhs, out):
     """What the machine code of :mod:`elimination` does, with pivoting; smallest |pivot| / largest."""
     w = np.zeros((6, 16))

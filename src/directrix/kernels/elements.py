@@ -8,7 +8,7 @@ history. ``external`` (n, 12) are forces and moments on the nodes, dead ones (6)
 
 from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
 
 __all__ = ["assemble", "books", "commit", "internal_forces"]
@@ -17,7 +17,7 @@ __all__ = ["assemble", "books", "commit", "internal_forces"]
 STEP, RESIDUAL, AUDIT, COMMIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY = range(15)
 
 
-@compiled
+@inner
 def _scatter(out, at, conn, first, nn, internal):
     """Forces of one element, 6 nn from ``out[at]`` on, onto its nodes ``conn[first:]``; all arrays flat.
 
@@ -29,14 +29,14 @@ def _scatter(out, at, conn, first, nn, internal):
             internal[to + i] += out[at + 6 * a + i]
 
 
-@compiled
+@inner
 def _add_blocks(out, at, dest, first, blocks):
     """The four blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
     for b in range(4):
         add_block(blocks, 36 * dest[first + b], out, at + 36 * b)
 
 
-@compiled
+@inner
 def _condense(k, r, nn, eliminated, back):
     """Eliminate the interior nodes 1 … nn−2 of an element matrix ``k`` with right-hand side ``r``.
 
@@ -196,7 +196,7 @@ def internal_forces(tables, work, x, g, external):
     scale[0], scale[1] = force, moment
 
 
-@compiled
+@inner
 def commit(tables, work, x, g):
     """Write the history at the end of a step; rotations in it stay orthonormal."""
     out = work.out

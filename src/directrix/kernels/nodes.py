@@ -3,13 +3,13 @@
 
 import numpy as np
 
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import inner
 from directrix.kernels.rates import DISSIPATIVE, dissipative
 
 __all__ = ["nodal_terms", "orthonormal"]
 
 
-@compiled
+@inner
 def orthonormal(q):
     """q ← q (3 − qᵀq)/2 for nine numbers, columns of a rotation: round-off of many products does not pile up."""
     old = np.empty(9)
@@ -24,7 +24,7 @@ def orthonormal(q):
             q[k + i] = own - 0.5 * (g0 * old[i] + g1 * old[3 + i] + g2 * old[6 + i] - own)
 
 
-@compiled
+@inner
 def nodal_terms(tables, work, x, g, external):
     """Start ``work.internal`` and ``work.applied`` (n, 6) and, when True is returned, ``work.node_block`` (n, 6, 6)."""
     internal, applied = work.internal, work.applied
@@ -45,7 +45,7 @@ def nodal_terms(tables, work, x, g, external):
     return True
 
 
-@compiled
+@inner
 def _followers(tables, work, x, external):
     """F = R f with R = R1, at half a step ½(R0 + R1) where a step balances there."""
     # 1, or the share of R1 in the mean
@@ -70,7 +70,7 @@ def _followers(tables, work, x, external):
                 work.node_block[node, part + i, 3 + k] += now[j]
 
 
-@compiled
+@inner
 def _inertia(y, g, lump, force, block):
     """M (v1 − v0)/Δt of one node and its tangent; ``lump`` = mass, λ (3), D (9): Euler dyadic Σ λ D Dᵀ."""
     w, v0, v1, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3)

@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import compiled, inner
 
 __all__ = ["ALPHA", "DISSIPATIVE", "MIDPOINT", "NONE", "SPIN", "begin", "dissipative", "end"]
 
@@ -14,7 +14,7 @@ NONE, MIDPOINT, SPIN, ALPHA, DISSIPATIVE = range(5)
 CV, CA, H, BETA, GAMMA, AM, AF = range(7)
 
 
-@compiled
+@inner
 def dissipative(w, v0, chi, v1, slope):
     """v1 (3,) with (1 + g) ½(v0 + v1) = w, g = chi (|v1| − |v0|)/(|v1| + |v0|); ``slope`` (3, 3) = dv1/dw.
 
@@ -53,7 +53,7 @@ def dissipative(w, v0, chi, v1, slope):
             slope[i, j] = 2.0 * y * ((1.0 if i == j else 0.0) + lean)
 
 
-@compiled
+@inner
 def _spin(x, axes, out):
     """out (3,) = ω of Ṙ = ω̂ R for the columns of R at ``axes`` and those of Ṙ at 27 of the row ``x``."""
     for i in range(3):
@@ -63,13 +63,13 @@ def _spin(x, axes, out):
             out[i] += 0.5 * (x[axes + c + j] * x[27 + c + k] - x[axes + c + k] * x[27 + c + j])
 
 
-@compiled
+@inner
 def _to_body(x, axes, v, out):
     for c in range(3):
         out[c] = x[axes + 3 * c] * v[0] + x[axes + 3 * c + 1] * v[1] + x[axes + 3 * c + 2] * v[2]
 
 
-@compiled
+@inner
 def _turn(x, out):
     """out (3,) = log(R0ᵀ R1) of the row ``x``, by the quaternion."""
     m = np.empty((3, 3))
@@ -113,7 +113,7 @@ def begin(kind, carried, nodes, x, g):
             y[place + 3] = (-(1.0 - am) * p + am * a - af * rate) / (1.0 - af)
 
 
-@compiled
+@inner
 def end(kind, nodes, x, g, lumped):
     """Rates at the end of a step, in place; what the scheme took from the kinetic energy."""
     lost = 0.0
@@ -152,7 +152,7 @@ def end(kind, nodes, x, g, lumped):
     return lost
 
 
-@compiled
+@inner
 def _cayley(y, out):
     """ϑ of R1 = cay(ϑ) R0."""
     trace = 1.0
@@ -168,7 +168,7 @@ def _cayley(y, out):
         out[i] *= 2.0 / trace
 
 
-@compiled
+@inner
 def _rates_from_spin(y, omega):
     """Ṙ1 = ω̂ R1."""
     for c in range(0, 9, 3):
@@ -177,7 +177,7 @@ def _rates_from_spin(y, omega):
             y[27 + c + i] = omega[j] * y[3 + c + k] - omega[k] * y[3 + c + j]
 
 
-@compiled
+@inner
 def _end_dissipative(y, g, lump, v1, w, slope):
     """Rates of one node from its principal vectors: position, then R D_k; ``lump`` = mass, λ (3), D (9)."""
     lost = 0.0

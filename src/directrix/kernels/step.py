@@ -10,7 +10,7 @@ import numpy as np
 
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, internal_forces
-from directrix.kernels.jit import compiled
+from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
 
@@ -37,7 +37,7 @@ PHASE, ITERATION, FROZEN, BLAME = range(4)
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
-@compiled
+@inner
 def _rotation(t, cayley, out):
     """out (3, 3) = exp(t̂), or the Cayley transform of t."""
     s = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
@@ -126,7 +126,7 @@ def advance(tables, work, x, frozen, cayley, limit):
     return move(work.step, x, frozen, cayley, limit)
 
 
-@compiled
+@inner
 def carry(tables, work, x, g):
     """Write the history after an iteration: rotations count from here on from R1 (in the place of R0)."""
     commit(tables, work, x, g)
@@ -160,7 +160,8 @@ def imbalance(work, mask, tolerance, floor):
 def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
-    ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley.
+    ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
+    whether the positions are solved for by themselves after a large turn.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -193,7 +194,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         control[FROZEN] = 0
         if frozen:
             continue
-        if turned > LARGE_TURN:
+        if turned > LARGE_TURN and options[7] > 0.0:
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g, external)
@@ -269,7 +270,7 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     work.flow[8] = lost
 
 
-@compiled
+@inner
 def _dissipated(damping, before, after):
     """Σ Δε·Q Δε over the stress points, ``damping`` (stations, 6, 6) = Q with the weights of the points in it."""
     total = 0.0
