@@ -14,11 +14,11 @@ import pytest
 from typer.testing import CliRunner
 
 from directrix.cli import app
-from directrix.paper import bend, cantilever, flight, models, objectivity, page, paths
+from directrix.paper import bend, cantilever, flight, frame, models, objectivity, page, paths
 from directrix.paper.contents import EXAMPLES, compute
 from directrix.paper.errata import ERRATA
-from directrix.paper.printed import FIGURE_2, FIGURE_7, LOADS
-from directrix.paper.record import Figure, Row, agrees, ten
+from directrix.paper.printed import FIGURE_2, FIGURE_3, FIGURE_7, LOADS
+from directrix.paper.record import Figure, Row, agrees, minus, ten
 
 ROOT = Path(__file__).parents[1]
 
@@ -33,6 +33,7 @@ def example(name: str) -> ModuleType:
 
 def test_models_of_the_examples_are_those_of_the_paper() -> None:
     assert example("free_flight").frame() == models.free_flight()
+    assert example("hinged_frame").frame(5) == models.hinged_frame(5)
 
 
 def test_table_1_agrees_in_all_digits_but_one_sign() -> None:
@@ -100,6 +101,31 @@ def test_figure_2_one_formulation_drifts_and_all_are_inside_the_printed_axes() -
     change = {row.label: row.ours[0] or 0.0 for row in table.rows}
     assert change["directors"] <= 1e-10 and change["Crisfield & Jelenić"] <= 1e-10
     assert 1e-4 < change["Simo & Vu-Quoc"] < 0.1
+
+
+def test_figure_3_draws_the_printed_loads_on_the_path() -> None:
+    figure = frame.figure_3()
+    assert [p.title for p in figure.panels] == ["F = 0", *(f"F = {load:g}" for load in FIGURE_3)]
+    result = frame.path()
+    states = list(frame.drawn(result).values())
+    assert states == sorted(states)
+    np.testing.assert_array_equal(result.load_factor[states], FIGURE_3)
+
+
+def test_figure_4_passes_both_limit_points_and_goes_on() -> None:
+    figure = frame.figure_4()
+    (panel,), (table,) = figure.panels, figure.tables
+    assert panel.curves[0].y[-1] >= 3e4
+    for curve in panel.curves:
+        assert panel.x_range and panel.y_range
+        assert panel.x_range[0] <= curve.x.min() and curve.x.max() <= panel.x_range[1]
+        assert panel.y_range[0] <= curve.y.min() and curve.y.max() <= panel.y_range[1]
+    off = {row.label: np.abs(np.array(row.ours[2:], float)) for row in table.rows}
+    assert np.all(off["10 + 10 elements"] <= 1e-3) and np.all(off["40 + 40 elements"] <= 1e-5)
+    assert off["20 + 20 elements"][0] <= 1e-5
+    # what interpolated directors cost on the paper's mesh is said beside it
+    np.testing.assert_allclose(off["5 + 5 elements"], (2.7e-3, 1.6e-2), rtol=0.01)
+    assert "-0.27 % and -1.6 %" in figure.finding
 
 
 def test_figure_7_is_constant_and_inside_the_printed_axes() -> None:
@@ -185,10 +211,19 @@ def test_the_page_holds_everything_and_loads_nothing() -> None:
     items = [item for _, found in compute(quick=True) for item in found]
     for item in items:
         assert f"{item.name}. {item.title}" in text
+        assert " ".join(minus(item.finding).split()) in text
         assert item.name.lower().replace(" ", "-") in reader.ids
-    assert {"Table I", "Table II", "Table III", "Figure 2", "Figure 7", "Figure 8", "Figure 9"} <= {
-        i.name for i in items
-    }
+    assert {
+        "Table I",
+        "Table II",
+        "Table III",
+        "Figure 2",
+        "Figure 3",
+        "Figure 4",
+        "Figure 7",
+        "Figure 8",
+        "Figure 9",
+    } <= {i.name for i in items}
     for erratum in ERRATA:
         for part in (erratum.where, erratum.printed, erratum.found):
             assert " ".join(part.split()) in text

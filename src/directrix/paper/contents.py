@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from directrix.paper import bend, cantilever, flight, objectivity, paths
+from directrix.paper import bend, cantilever, flight, frame, objectivity, paths
 from directrix.paper.record import Figure, Table
 
 __all__ = ["EXAMPLES", "Example", "Item", "compute"]
@@ -37,6 +37,12 @@ EXAMPLES = (
         "free to move. Path I goes there "
         "in two equal steps; the first step of path II goes 0.775 of the way at A and 0.4 at B.",
         (paths.table_1,),
+    ),
+    Example(
+        "Example 3. Buckling of a hinged frame",
+        "Two members of length 120 meet at a rigid corner and are hinged at their other ends; a dead load pushes the "
+        "beam down, 24 from the corner.",
+        (frame.figure_3, frame.figure_4),
     ),
     Example(
         "Example 4. 45° bend",

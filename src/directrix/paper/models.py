@@ -81,27 +81,17 @@ def two_turns(first_a: float = 0.5, first_b: float = 0.5, elements: int = 1) -> 
     )
 
 
-def hinged_frame(elements: int = 5, load: float = 1.0) -> dx.Model:
-    """Example 3: a column and a beam of 120 with hinged feet, loaded downwards on the beam, 24 from the corner.
+def hinged_frame(elements: int = 5) -> dx.Model:
+    """Example 3: a column from A to the corner C and a beam from C to B, 120 each, that turn about z at A and B.
 
-    Nodes "foot", "corner", "load", "end"; quadratic elements, as many in each member.
+    Quadratic elements, as many in each member; unit load down at P, 24 from the corner.
     """
     section = properties(7.2e6, 0.3, 6.0, 2.0, 4.0)
-    return (
-        dx.Model(name="hinged frame")
-        .rod(dx.line((0, 0, 0), (0, 120, 0)), section, name="column", ends=("foot", "corner"), elements=elements)
-        .rod(
-            dx.line((0, 120, 0), (120, 120, 0)),
-            section,
-            name="beam",
-            ends=("corner", "end"),
-            elements=elements,
-            nodes={"load": 0.2},
-        )
-        .pin("foot")
-        .pin("end")
-        .force("load", (0, -load, 0))
-    )
+    column, beam = dx.line((0, 0, 0), (0, 120, 0)), dx.line((0, 120, 0), (120, 120, 0))
+    model = dx.Model(name="hinged frame").rod(column, section, name="column", ends=("A", "C"), elements=elements)
+    model = model.rod(beam, section, name="beam", ends=("C", "B"), elements=elements, nodes={"P": 0.2})
+    hinge = ("x", "y", "z", "rx", "ry")
+    return model.force("P", (0, -1, 0)).fix("A", *hinge).fix("B", *hinge)
 
 
 def bend(

@@ -12,7 +12,7 @@ from string import Template
 from directrix.paper.contents import Example, Item, compute
 from directrix.paper.errata import ERRATA
 from directrix.paper.picture import data_uri
-from directrix.paper.record import Figure, Numbers, Row, Table
+from directrix.paper.record import Figure, Numbers, Row, Table, minus
 
 __all__ = ["report"]
 
@@ -67,7 +67,9 @@ def _head(quick: bool, seconds: float) -> str:
 
 
 def _summary(items: Sequence[Item]) -> str:
-    lines = "\n".join(f"<li><a href='#{_anchor(i)}'>{escape(i.name)}</a>. {escape(i.finding)}</li>" for i in items)
+    lines = "\n".join(
+        f"<li><a href='#{_anchor(i)}'>{escape(i.name)}</a>. {escape(minus(i.finding))}</li>" for i in items
+    )
     return f"<h2>In short</h2>\n<ul>\n{lines}\n<li><a href='#errata'>Errata</a>: {len(ERRATA)} places.</li>\n</ul>"
 
 
@@ -78,11 +80,11 @@ def _section(example: Example, items: Sequence[Item]) -> str:
 
 def _title(item: Item) -> Iterator[str]:
     yield f"<h3 id='{_anchor(item)}'>{escape(item.name)}. {escape(item.title)}</h3>"
-    yield f"<p class='finding'>{escape(item.finding)}</p>"
+    yield f"<p class='finding'>{escape(minus(item.finding))}</p>"
 
 
 def _notes(item: Item) -> Iterator[str]:
-    yield from (f"<p class='note'>{escape(note)}</p>" for note in item.notes)
+    yield from (f"<p class='note'>{escape(minus(note))}</p>" for note in item.notes)
 
 
 def _figure(figure: Figure) -> Iterator[str]:
@@ -103,14 +105,14 @@ def _table(table: Table) -> Iterator[str]:
 def _grid(table: Table, caption: str = "") -> str:
     compared = any(row.printed is not None for row in table.rows)
     layout = _plain if not compared else _beside if len(table.columns) <= 2 else _stacked
-    name = f"<caption>{escape(caption)}</caption>" if caption else ""
+    name = f"<caption>{escape(minus(caption))}</caption>" if caption else ""
     return f"<div class='wide'><table>{name}\n" + "\n".join(layout(table)) + "\n</table></div>"
 
 
 def _plain(table: Table) -> Iterator[str]:
     yield _header(("", *table.columns))
     for row in table.rows:
-        yield f"<tbody><tr><th>{escape(row.label)}</th>{_cells(row.ours, table.form)}</tr></tbody>"
+        yield f"<tbody><tr><th>{escape(minus(row.label))}</th>{_cells(row.ours, table.forms)}</tr></tbody>"
 
 
 def _beside(table: Table) -> Iterator[str]:
@@ -121,12 +123,12 @@ def _beside(table: Table) -> Iterator[str]:
     )
     for row in table.rows:
         printed = row.printed or tuple(None for _ in row.ours)
-        parts = zip(printed, row.ours, row.difference, strict=True)
+        parts = zip(printed, row.ours, row.difference, table.forms, strict=True)
         cells = "".join(
-            _printed((a,), table.printed) + _cells((b,), table.form) + _cells((d,), "+.1e", "n grey")
-            for a, b, d in parts
+            _printed((a,), table.printed) + _cells((b,), (form,)) + _cells((d,), ("+.1e",), "n grey")
+            for a, b, d, form in parts
         )
-        yield f"<tbody><tr><th>{escape(row.label)}</th>{cells}</tr></tbody>"
+        yield f"<tbody><tr><th>{escape(minus(row.label))}</th>{cells}</tr></tbody>"
 
 
 def _stacked(table: Table) -> Iterator[str]:
@@ -142,26 +144,23 @@ def _stacked(table: Table) -> Iterator[str]:
 
 def _lines(row: Row, table: Table) -> Iterator[str]:
     if row.printed is None:
-        yield f"<tr><th>{escape(row.label)}</th><td>here</td>{_cells(row.ours, table.form)}</tr>"
+        yield f"<tr><th>{escape(minus(row.label))}</th><td>here</td>{_cells(row.ours, table.forms)}</tr>"
         return
-    label = f"<th rowspan='3'>{escape(row.label)}</th>"
+    label = f"<th rowspan='3'>{escape(minus(row.label))}</th>"
     yield f"<tr class='printed'>{label}<td>printed</td>{_printed(row.printed, table.printed)}</tr>"
-    yield f"<tr><td>here</td>{_cells(row.ours, table.form)}</tr>"
-    yield f"<tr class='difference'><td>difference</td>{_cells(row.difference, '+.1e')}</tr>"
+    yield f"<tr><td>here</td>{_cells(row.ours, table.forms)}</tr>"
+    yield f"<tr class='difference'><td>difference</td>{_cells(row.difference, ('+.1e',) * len(row.ours))}</tr>"
 
 
 def _printed(values: Numbers, form: str) -> str:
     """As printed; without a format no more digits than the number has."""
-    texts = ("—" if v is None else _minus(format(v, form) if form else repr(v)) for v in values)
+    texts = ("—" if v is None else minus(format(v, form) if form else repr(v)) for v in values)
     return "".join(f"<td class='n'>{text}</td>" for text in texts)
 
 
-def _cells(values: Numbers, form: str, kind: str = "n") -> str:
-    return "".join(f"<td class='{kind}'>{'' if v is None else _minus(format(v, form))}</td>" for v in values)
-
-
-def _minus(text: str) -> str:
-    return text.replace("-", "−")
+def _cells(values: Numbers, forms: Sequence[str], kind: str = "n") -> str:
+    texts = ("" if v is None else minus(format(v, form)) for v, form in zip(values, forms, strict=True))
+    return "".join(f"<td class='{kind}'>{text}</td>" for text in texts)
 
 
 def _header(columns: Sequence[str]) -> str:

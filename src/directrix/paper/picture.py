@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 from directrix.drawing import BLUE, GHOST, INK, ORANGE, XYZ, dress, need_matplotlib
-from directrix.paper.record import Curve, Figure, Panel
+from directrix.paper.record import Curve, Figure, Panel, minus
 
 __all__ = ["data_uri"]
 
@@ -54,7 +54,7 @@ def _draw(pen: Any, panel: Panel, legend: bool) -> None:
         pen.set_xlim(*panel.x_range)
     if panel.y_range:
         pen.set_ylim(*panel.y_range)
-    pen.set_title(panel.title, fontsize=8.5)
+    pen.set_title(minus(panel.title), fontsize=8.5)
     if panel.picture:
         pen.set_aspect("equal")
         for line in pen.lines:

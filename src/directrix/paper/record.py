@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = tuple[float | None, ...]
 
-__all__ = ["Array", "Curve", "Erratum", "Figure", "Numbers", "Panel", "Row", "Table", "agrees", "ten"]
+__all__ = ["Array", "Curve", "Erratum", "Figure", "Numbers", "Panel", "Row", "Table", "agrees", "minus", "ten"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``columns`` name the numbers of its rows, ``form`` formats them, ``finding`` is one sentence.
+    """A table: ``columns`` name the numbers of its rows, ``form`` formats them (a tuple: column by column),
+    ``finding`` is one sentence.
 
     ``groups`` are titles over equal shares of the columns; ``printed`` formats the paper's numbers, by default with as
     few digits as they have.
@@ -41,11 +43,16 @@ class Table:
     title: str
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
-    form: str
+    form: str | tuple[str, ...]
     finding: str
     notes: tuple[str, ...] = ()
     groups: tuple[str, ...] = ()
     printed: str = ""
+
+    @property
+    def forms(self) -> tuple[str, ...]:
+        """The format of each column."""
+        return (self.form,) * len(self.columns) if isinstance(self.form, str) else self.form
 
     def row(self, label: str) -> Row:
         """The row of that label; KeyError when there is none."""
@@ -110,6 +117,11 @@ def agrees(row: Row, decimals: int, *, cut: bool = False) -> bool:
     """Whether every printed number of a row is the computed one, rounded (or cut off) to its decimals."""
     unit = 10.0**-decimals * (1.0 if cut else 0.5)
     return all(d is None or abs(d) <= 1.02 * unit for d in row.difference)
+
+
+def minus(text: str) -> str:
+    """A text with the sign of mathematics before its numbers."""
+    return re.sub(r"(?<![\w.])-(?=\d)|(?<=e)-(?=\d)", "−", text)
 
 
 def ten(value: float) -> str:

@@ -63,6 +63,8 @@ def solve(residual: Callable[[Array], Array], guess: ArrayLike, size: float = 1.
         change = float(np.abs(update).max()) / size
         if change <= tolerance or (change < 1e-9 and change >= 0.5 * last):
             return x
+        if not change < 1e3:
+            break
         last = change
     raise ArithmeticError("the shooting does not settle")
 

@@ -16,6 +16,7 @@ from directrix.verification import (
     elbow,
     follower,
     helix,
+    hinged_frame,
     objectivity,
     path_independence,
     rigid_motion,
@@ -32,7 +33,7 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
     roll_up, elastica, follower, bend45, cantilevers, helix,
-    elbow, spaghetti, spin_up,
+    hinged_frame, elbow, spaghetti, spin_up,
 )  # fmt: skip
 CASES: tuple[Case, ...] = tuple(case for module in MODULES for case in module.CASES)
 
