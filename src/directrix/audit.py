@@ -107,7 +107,7 @@ class DynamicBooks:
         self.integrator, self.dt = integrator, dt
         self.mass = sum(
             rod.section.A_rho * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
-        )
+        ) + sum(body.mass for body in disc.model.bodies)
         # the energy of strains of 1e-8: what a rod at rest has by rounding is far below and proves nothing
         self.least = 0.5e-16 * sum(
             float(np.diag(rod.section.stiffness)[:3].max() * mesh.s[-1])
@@ -162,13 +162,13 @@ class DynamicBooks:
         )
         value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
         claims = self.integrator
-        damping = [Entry("dissipation", self.given / scale[0], LIMIT, f"{scale[0]:.6g}")] if self.dissipated else []
+        back = Entry("dissipation", float(self.given / scale[0]), LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
                 Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
                 Entry("linear momentum", value[1], LIMIT, f"{scale[1]:.6g}", claims.conserves_momenta),
                 Entry("angular momentum", value[2], LIMIT, f"{scale[2]:.6g}", claims.conserves_momenta),
-                *damping,
+                *((back,) if self.dissipated else ()),
             ]
         )
 
@@ -198,7 +198,8 @@ class StaticBooks:
         ledger = books.flow[:2]
         on = books.applied + books.reaction
         moments = on[:, 3:] + np.cross(r, on[:, :3])
-        self.off = np.fmax(self.off, [np.linalg.norm(on[:, :3].sum(0)), np.linalg.norm(moments.sum(0))])
+        balance = np.concatenate([on[:, :3].sum(0), moments.sum(0)]) + books.ground
+        self.off = np.fmax(self.off, [np.linalg.norm(balance[:3]), np.linalg.norm(balance[3:])])
         force, moment = (np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], on[:, 3:]))
         force = max(force, moment / self.length)
         self.scale = np.fmax(self.scale, (force, force * self.length))

@@ -55,7 +55,8 @@ def show(console: Console, result: Result) -> None:
     lines = [
         f"audit {result.audit.verdict}",
         f"energy: kinetic {energy.kinetic[-1]:.9g}, stored {energy.stored[-1]:.9g}, "
-        f"total {energy.total[-1]:.9g}; work done on it {energy.work[-1]:.9g}",
+        f"total {energy.total[-1]:.9g}; work done on it {energy.work[-1]:.9g}"
+        + (f", dissipated {energy.dissipated[-1]:.9g}" if energy.dissipated[-1] else ""),
         f"{_count(steps.size, 'step')}, {_count(int(steps.sum()), 'Newton iteration')}, "
         f"{result.info.get('wall_seconds', 0.0):.2f} s",
         *(f"note: {note}" for note in result.audit.notes),

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from directrix.basis import gauss, lagrange
 from directrix.checks import shown, vector
 from directrix.errors import ModelError
+from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement
 from directrix.formulations.element import Committed, Element
 from directrix.formulations.layout import Layout
 from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Rod, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat, smallest_rotation
-from directrix.scheme import Scheme
+from directrix.scheme import Rates, Scheme
 from directrix.section import Section
 
 Array = NDArray[np.float64]
@@ -36,13 +37,21 @@ __all__ = ["Discretisation", "Group", "LoadTerm", "Pattern", "discretise"]
 @dataclass(frozen=True)
 class Group:
     """Elements that share one kernel: ``conn`` (ne, nn) nodes, ``parameters`` (ne, size),
-    ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference."""
+    ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference.
 
+    What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
+    holds its other end.
+    """
+
+    element: Element
     layout: Layout
     conn: Ints
     parameters: Array
     station: Ints
     history: Array
+    names: tuple[str, ...] = ()
+    lossy: bool = False
+    grounded: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,8 +105,8 @@ class Discretisation:
 
     @property
     def elements(self) -> int:
-        """Number of elements."""
-        return sum(len(g.conn) for g in self.groups)
+        """Number of elements of the rods."""
+        return sum(len(g.conn) for g in self.groups if not g.names)
 
     @property
     def stations(self) -> int:
@@ -113,6 +122,8 @@ class Discretisation:
         """ "rod 'mid', element 3": where an element (numbered through the groups) is."""
         for group in self.groups:
             if element < len(group.conn):
+                if group.names:
+                    return group.names[element]
                 station = group.station[element]
                 for rod in self.mesh.rods:
                     local = (station - rod.first_station) // group.layout.points
@@ -139,6 +150,22 @@ class Discretisation:
             for r, section in zip(self.mesh.rods, self.sections, strict=True)
         ]
         return np.concatenate(parts, axis=-2)
+
+    def link_states(self, r: Array, R: Array) -> dict[str, Array]:
+        """Length and elastic tension (nt, 2) of every link, from positions (nt, n, 3) and rotations (nt, n, 3, 3)."""
+        index = self.mesh.node_names
+        places = {name: self.mesh.r0[k] for name, k in index.items()}
+        out: dict[str, Array] = {}
+        for link in self.model.links:
+
+            def point(node: str, offset: Vec) -> Array:
+                return r[:, index[node]] + R[:, index[node]] @ np.array(offset)
+
+            first = point(link.a, link.offset_a)
+            second = point(link.b, link.offset_b) if isinstance(link.b, str) else np.array(link.b)
+            length = np.linalg.norm(second - first, axis=1)
+            out[link.name] = np.stack([length, link.tension(length, *link.measures(places))], -1)
+        return out
 
     def initial_rates(self) -> tuple[Array, Array]:
         """Nodal velocities (n, 3) and angular velocities (n, 3) that the model asks for."""
@@ -263,7 +290,7 @@ def _layout(rod: Rod, nn: int, element: Element) -> Layout:
     return Layout(nn, rod.points or rod.order, principal, damping, section.law, element.sampled)
 
 
-def _lumped(n: int, groups: Sequence[Group]) -> Array:
+def _lumped(n: int, groups: Sequence[Group], model: Model, names: dict[str, int]) -> Array:
     """See :class:`Discretisation`; the mass of the groups must be lumped."""
     out, dyadic = np.zeros((n, 13)), np.zeros((n, 3, 3))
     for group in groups:
@@ -280,6 +307,9 @@ def _lumped(n: int, groups: Sequence[Group]) -> Array:
                 euler[:, 0, 1] = euler[:, 1, 0] = parts[5][:, 3]
             d = directors[:, a, :2]
             np.add.at(dyadic, group.conn[:, a], np.einsum("e,epq,epi,eqj->eij", weight, euler, d, d))
+    for body in model.bodies:
+        out[names[body.node], 0] += body.mass
+        dyadic[names[body.node]] += body.euler
     values, vectors = np.linalg.eigh(dyadic)
     small = values.max(axis=1, initial=0.0, keepdims=True) * 1e-14
     out[:, 1:4] = np.where(values > small, values, 0.0)
@@ -307,8 +337,9 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     ends = np.unique(np.array(elements, np.int64).ravel())
     near: dict[int, list[int]] = {int(k): [] for k in ends}
     for a, b in elements:
-        near[a].append(b)
-        near[b].append(a)
+        if a != b:
+            near[a].append(b)
+            near[b].append(a)
     order: list[int] = []
     seen: set[int] = set()
     for start in [k for k in near if len(near[k]) == 1]:
@@ -389,9 +420,11 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         )  # fmt: skip
         station += points * ne
     groups = tuple(
-        Group(layout, *(np.concatenate([part[k] for part in parts]) for k in range(4)))  # type: ignore[arg-type]
+        Group(element, layout, *(np.concatenate([part[k] for part in parts]) for k in range(4)))  # type: ignore[arg-type]
         for layout, parts in by_layout.items()
     )
+    lumped = _lumped(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
+    groups += attached_groups(model, scheme, names, np.array(positions))
     mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
@@ -404,8 +437,57 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         prescribed,
         _loads(model, names, spread),
         tuple(rod.section for rod in model.rods),
-        _lumped(n, groups) if scheme.lumped else np.zeros((0, 13)),
+        lumped,
     )
+
+
+def attached_groups(model: Model, scheme: Scheme, names: dict[str, int], r0: Array) -> tuple[Group, ...]:
+    """Links and bodies as elements of their own; raises ModelError for what the scheme has no form for."""
+    groups: list[Group] = []
+    places = {name: r0[k] for name, k in names.items()}
+    for grounded, cable in ((True, False), (False, False), (True, True), (False, True)):
+        links = [k for k in model.links if k.cable == cable and isinstance(k.b, str) != grounded]
+        if not links:
+            continue
+        rows: list[list[float]] = []
+        for link in links:
+            if link.damping and scheme.rates is Rates.ALPHA:
+                raise ModelError(
+                    f"link {link.name!r} is damped, and the generalised-α family has no form for that",
+                    "use a step of the midpoint family, e.g. dx.EnergyMomentum(), or leave damping= out",
+                )
+            rest, width = link.measures(places)
+            other = link.offset_b if isinstance(link.b, str) else link.b
+            rows.append([*link.offset_a, *other, link.stiffness, rest, link.damping, width])
+        ends = [[names[k.a]] if grounded else [names[k.a], names[str(k.b)]] for k in links]
+        groups.append(
+            _attached(
+                LinkElement(scheme.rates, cable), np.array(ends), np.array(rows),
+                tuple(f"link {k.name!r}" for k in links),
+                not scheme.static and scheme.rates is not Rates.ALPHA and any(k.damping for k in links), grounded,
+            )
+        )  # fmt: skip
+    if model.bodies and scheme.rates is Rates.SPIN:
+        raise ModelError(
+            f"the body on node {model.bodies[0].node!r} has no form in SimoTarnowDoblare()",
+            "use another step, e.g. dx.EnergyMomentum()",
+        )
+    if model.bodies and not scheme.static:
+        rows = [[body.mass, *body.euler[np.triu_indices(3)]] for body in model.bodies]
+        ends = np.array([[names[body.node]] for body in model.bodies])
+        labels = tuple(f"the body on node {body.node!r}" for body in model.bodies)
+        groups.append(_attached(BodyElement(scheme.rates), ends, np.array(rows), labels))
+    return tuple(groups)
+
+
+def _attached(
+    element: LinkElement | BodyElement, conn: Ints, parameters: Array, names: tuple[str, ...], lossy: bool = False,
+    grounded: bool = False,
+) -> Group:  # fmt: skip
+    count = len(conn)
+    layout = AttachedLayout(conn.shape[1], 0, True, parameters=parameters.shape[1])
+    nothing: Ints = np.zeros(count, np.int64)
+    return Group(element, layout, conn, parameters, nothing, np.zeros((count, 0)), names, lossy, grounded)
 
 
 def _supports(
@@ -433,6 +515,7 @@ def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Ar
     for load in model.loads:
         if isinstance(load, Gravity):
             over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
+            over += [(np.array([names[body.node]]), np.array([body.mass])) for body in model.bodies]
             what, first = "gravity", 0
         elif isinstance(load, Distributed):
             over, what, first = [spread[load.rod]], f"the distributed load on rod {load.rod!r}", 0

@@ -9,6 +9,7 @@ from typing import Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
@@ -138,6 +139,8 @@ class Model:
     prescribed: tuple[Prescribed, ...] = ()
     loads: tuple[Load, ...] = ()
     velocities: tuple[Velocity | RigidVelocity, ...] = ()
+    links: tuple[Link, ...] = ()
+    bodies: tuple[Body, ...] = ()
 
     def rod(
         self,
@@ -282,6 +285,47 @@ class Model:
             raise ModelError("gravity is given twice", "give one vector")
         return replace(self, loads=(*self.loads, Gravity(_value(g, "gravity"), flag(constant, "constant"))))
 
+    def spring(
+        self, a: str, b: str | Vec, stiffness: float, *, length: float | None = None, damping: float = 0.0,
+        offset_a: Vec = (0.0, 0.0, 0.0), offset_b: Vec = (0.0, 0.0, 0.0), name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """A spring from a point of node ``a`` to one of node ``b`` (or a place on the ground); see :class:`Link`."""
+        return self._link(Link(self._link_name(name), a, b, stiffness, length, damping, offset_a, offset_b))
+
+    def dashpot(
+        self, a: str, b: str | Vec, damping: float, *, offset_a: Vec = (0.0, 0.0, 0.0),
+        offset_b: Vec = (0.0, 0.0, 0.0), name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """A dashpot: a force ``damping`` times the rate of the distance, in dynamics; see :class:`Link`."""
+        return self._link(Link(self._link_name(name), a, b, 0.0, None, damping, offset_a, offset_b))
+
+    def cable(
+        self, a: str, b: str | Vec, stiffness: float, *, length: float | None = None, width: float | None = None,
+        damping: float = 0.0, offset_a: Vec = (0.0, 0.0, 0.0), offset_b: Vec = (0.0, 0.0, 0.0), name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """A straight cable without mass that pulls and does not push; the change is smooth over ``width``."""
+        made = Link(self._link_name(name), a, b, stiffness, length, damping, offset_a, offset_b, True, width)
+        return self._link(made)
+
+    def point_mass(self, node: str, m: float) -> Self:
+        """A mass on a node."""
+        return self.rigid_body(node, m, np.zeros((3, 3)))
+
+    def rigid_body(self, node: str, mass: float, inertia: ArrayLike) -> Self:
+        """A rigid body on a node, its centre of mass there; ``inertia`` (3, 3) about it, in the reference frame."""
+        body = Body(node, mass, np.asarray(inertia))
+        if any(other.node == node for other in self.bodies):
+            raise ModelError(f"node {node!r} has two bodies", "give one, their sum if that is meant")
+        return replace(self, bodies=(*self.bodies, body))
+
+    def _link_name(self, name: str | None) -> str:
+        return f"link{len(self.links) + 1}" if name is None else name
+
+    def _link(self, link: Link) -> Self:
+        if any(other.name == link.name for other in self.links):
+            raise ModelError(f"there are two links called {link.name!r}", "give each link a name of its own")
+        return replace(self, links=(*self.links, link))
+
     def velocity(self, node: str, v: Any, omega: Any = (0, 0, 0)) -> Self:
         """Initial velocity of this node alone (the shape functions do the rest)."""
         node = text(node, "name of a node")
@@ -374,6 +418,8 @@ class Model:
         about += [("prescribed motion", p.node) for p in self.prescribed]
         about += [("load", load.node) for load in self.loads if isinstance(load, (Force, Moment))]
         about += [("initial velocity", v.node) for v in self.velocities if isinstance(v, Velocity)]
+        about += [(f"link {k.name!r}", node) for k in self.links for node in (k.a, k.b) if isinstance(node, str)]
+        about += [("body", body.node) for body in self.bodies]
         for what, node in about:
             if node not in places:
                 raise ModelError(
@@ -437,7 +483,10 @@ class Model:
         for rod in self.rods:
             for name in rod.names[1:]:
                 part[root(name)] = root(rod.names[0])
-        good = {root(name) for name in held}
+        for link in self.links:
+            if isinstance(link.b, str):
+                part[root(link.a)] = root(link.b)
+        good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
         for rod in self.rods:
             if root(rod.ends[0]) not in good:
                 raise ModelError(

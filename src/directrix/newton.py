@@ -54,13 +54,14 @@ class Outcome(NamedTuple):
 
 class Books(NamedTuple):
     """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6)."""
+    loads as they acted (n, 6), force and moment of the ground through links (6,)."""
 
     totals: Array
     flow: Array
     strains: Array
     reaction: Array
     applied: Array
+    ground: Array
 
 
 class Newton:
@@ -83,7 +84,7 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
-        self.free = not disc.fixed.any()
+        self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     @cached_property
     def sparse(self) -> BlockSparse:
@@ -241,7 +242,8 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        return Books(self.totals, self.work.flow, self.strains, self.work.reaction, self.work.applied)
+        work = self.work
+        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""

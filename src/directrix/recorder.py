@@ -86,6 +86,7 @@ class Recorder:
             audit=audit,
             info={**about, **info},
             history=history,
+            links=self.disc.link_states(r, rotation),
         )
 
 

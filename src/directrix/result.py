@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 __all__ = [
-    "Energy", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status", "TurningPoint",
-    "turn_length",
+    "Energy", "LinkHistory", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status",
+    "TurningPoint", "turn_length",
 ]  # fmt: skip
 
 
@@ -197,6 +197,14 @@ class TurningPoint:
 
 
 @dataclass(frozen=True)
+class LinkHistory:
+    """A spring, dashpot or cable through the run: ``length`` and elastic ``tension``, each (nt,)."""
+
+    length: Array
+    tension: Array
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything a run computed, at ``nt`` saved instants of ``n`` nodes.
 
@@ -217,6 +225,7 @@ class Result:
     status : how it ended
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
+    links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
     history : (nt, rows, 12) what a formulation or a scheme carries beside the nodes, to go on with ``start=``; no rows
         for most
     turning_points : limit points of a path that was followed, in the order of the path
@@ -241,6 +250,7 @@ class Result:
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
+    links: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
 
     @cached_property
@@ -271,6 +281,12 @@ class Result:
         rod = self.mesh.rod(name)
         part = slice(rod.first_station, rod.first_station + len(rod.stations))
         return RodHistory(rod.stations, self.strain[:, part], self.force[:, part])
+
+    def link(self, name: str) -> LinkHistory:
+        """History of one spring, dashpot or cable, by name; raises ModelError for an unknown one."""
+        if name not in self.links:
+            raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
+        return LinkHistory(*self.links[name].T)
 
     def directors(self, name: str) -> Array:
         """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""

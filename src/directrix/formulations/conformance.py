@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 __all__ = ["Conformance", "check_discrete_gradient", "check_formulation", "random_parameters", "random_states"]
 
+TINY = 1e-300  # an element may have no force or no energy
+
 
 class Conformance(NamedTuple):
     """Largest deviations, each relative to the size of what is compared.
@@ -65,14 +67,15 @@ def random_states(rng: np.random.Generator, element: Element, layout: Layout, co
 
 def check_formulation(
     element: Element, layout: Layout, *, static: bool, states: int = 1000, largest: float = 1e3, turn: float = 1.0,
-    seed: int = 0,
+    seed: int = 0, parameters: Array | None = None,
 ) -> Conformance:  # fmt: skip
     """Measure what :class:`Conformance` names on ``states`` random elements, with rotations up to ``largest`` rad.
 
-    ``turn`` is the size of the rotations inside an element; near π logarithms of rotations lose digits.
+    ``parameters`` are those of the element, random ones unless given. ``turn`` is the size of the rotations inside
+    an element; near π logarithms of rotations lose digits.
     """
     rng = np.random.default_rng(seed)
-    p, common = random_parameters(rng, layout), [3.0, 2.0, 0.4]
+    p, common = random_parameters(rng, layout) if parameters is None else parameters, [3.0, 2.0, 0.4]
     x = random_states(rng, element, layout, states, turn)
     whole = exp(rng.uniform(-1.0, 1.0, (states, 3)) * largest / np.sqrt(3.0))
     moved = _turned(x, layout, whole, only_end=static)
@@ -87,8 +90,8 @@ def check_formulation(
     return Conformance(
         objectivity,
         0.0 if static else _work(element, layout, x, p, still),
-        _tangent(element, layout, rng),
-        float((rigid / np.abs(still).max(axis=1)).max()),
+        _tangent(element, layout, rng, parameters),
+        float((rigid / (np.abs(still).max(axis=1) + TINY)).max()),
     )
 
 
@@ -158,18 +161,18 @@ def _work(element: Element, layout: Layout, x: Array, p: Array, force: Array) ->
     assert np.allclose(cay(theta), turned, atol=1e-6)
     parts = force.reshape(len(x), nn, 2, 3)
     work = (parts[:, :, 0] * x[:, :nn, 12:15] + parts[:, :, 1] * theta).sum(axis=(1, 2))
-    size = np.abs(stored).max(axis=0) * (1.0 + np.abs(theta).max(axis=(1, 2)))
+    size = np.abs(stored).max(axis=0) * (1.0 + np.abs(theta).max(axis=(1, 2))) + TINY
     return float((np.abs(work - stored[1] + stored[0]) / size).max())
 
 
-def _tangent(element: Element, layout: Layout, rng: np.random.Generator) -> float:
+def _tangent(element: Element, layout: Layout, rng: np.random.Generator, parameters: Array | None) -> float:
     """Machine code against the complex step of the same residual."""
     from directrix.kernels.single import run_step  # pyright: ignore[reportUnknownVariableType]
 
     worst, common, h = 0.0, [3.0, 2.0, 0.4], 1e-30
     padding = [0.0] * (COMMON - len(common))
     for x in random_states(rng, element, layout, 10):
-        p = random_parameters(rng, layout)
+        p = random_parameters(rng, layout) if parameters is None else parameters
         force, tangent = run_step(element, layout, x, p, common)
         reference = np.array(element.step(layout, x.ravel().tolist(), p.tolist(), [*common, *padding])[0], float)
         worst = max(worst, float(np.abs(force - reference).max() / np.abs(reference).max()))

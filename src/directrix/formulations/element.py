@@ -8,7 +8,16 @@ from typing import Protocol
 from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
 from directrix.kernels.trace import Graph, Sym, cross, derivative
 
-__all__ = ["COMMON", "Committed", "Element", "record_audit", "record_commit", "record_step"]
+__all__ = [
+    "COMMON",
+    "Committed",
+    "Element",
+    "Lossy",
+    "record_audit",
+    "record_commit",
+    "record_lost",
+    "record_step",
+]
 
 COMMON = 8  # scalars that all elements of a run share
 Recorded = tuple[Graph, list[Sym], list[int]]
@@ -41,6 +50,14 @@ class Element(Protocol):
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """W, T, L (3), J (3), per pair of neighbouring nodes Σ d_i·d_i, per stress point the loss of
         orthonormality and the six strains."""
+        ...
+
+
+class Lossy(Element, Protocol):
+    """An element that dissipates by itself."""
+
+    def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """What it took in the step, one value."""
         ...
 
 
@@ -90,6 +107,12 @@ def record_audit(element: Element, layout: Layout) -> Recorded:
     graph, x, p, _ = _inputs(element, layout)
     out = element.audit(layout, x, p)
     return graph, out, list(range(len(out)))
+
+
+def record_lost(element: Lossy, layout: Layout) -> Recorded:
+    """What an element dissipated in a step."""
+    graph, x, p, g = _inputs(element, layout)
+    return graph, element.lost(layout, x, p, g), [0]
 
 
 def record_commit(element: Committed, layout: Layout) -> Recorded:

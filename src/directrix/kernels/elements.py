@@ -11,10 +11,12 @@ from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
 
-__all__ = ["assemble", "books", "commit", "internal_forces"]
+__all__ = ["assemble", "books", "commit", "ground", "internal_forces", "lost"]
 
 # columns of tables.head
-STEP, RESIDUAL, AUDIT, COMMIT, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY = range(15)
+STEP, RESIDUAL, AUDIT, COMMIT, LOST, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY, GROUND = (
+    range(17)
+)
 
 
 @inner
@@ -114,7 +116,9 @@ def assemble(tables, work, x, g, external, mask, frozen):
             for lane in range(count):
                 e, from_ = first + lane, lane * stride
                 _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
-                if nn == 2:
+                if nn == 1:
+                    add_block(flat_blocks, 36 * tables.dest[4 * (head[ELEMENT] + e)], out, from_ + 6)
+                elif nn == 2:
                     _add_blocks(out, from_ + 12, tables.dest, 4 * (head[ELEMENT] + e), flat_blocks)
                 else:
                     conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
@@ -218,6 +222,48 @@ def commit(tables, work, x, g):
                     to = head[HISTORY] + (first + lane) * rows + k
                     for i in range(12):
                         x[to, i] = out[at + i]
+
+
+@inner
+def lost(tables, work, x, g):
+    """What elements that dissipate by themselves took in the step."""
+    total = 0.0
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        if head[LOST] == 0:
+            continue
+        for block in range(-(-head[COUNT] // LANES)):
+            count = min(LANES, head[COUNT] - block * LANES)
+            parameters = head[PAR] + block * LANES * head[SIZE]
+            places = head[AT] + block * LANES * (head[NN] + head[ROWS])
+            call_kernel(head[LOST], x, tables.at, places, tables.par, parameters, g, work.out)
+            for lane in range(count):
+                total += work.out[lane * LANES]
+    return total
+
+
+@inner
+def ground(tables, work, x, g):
+    """Fill ``work.ground`` (6,): Σ force and Σ moment about the origin that the ground exerts through links."""
+    total, out = work.ground, work.out
+    total[:] = 0.0
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        if head[GROUND] == 0:
+            continue
+        for block in range(-(-head[COUNT] // LANES)):
+            first, count = block * LANES, min(LANES, head[COUNT] - block * LANES)
+            parameters = head[PAR] + block * LANES * head[SIZE]
+            call_kernel(head[RESIDUAL], x, tables.at, head[AT] + first, tables.par, parameters, g, out)
+            for lane in range(count):
+                node, at = tables.conn[head[CONN] + first + lane], lane * (-(-6 // LANES) * LANES)
+                for i in range(3):
+                    j, k = (i + 1) % 3, (i + 2) % 3
+                    total[i] -= out[at + i]
+                    y, z = x[node, j], x[node, k]
+                    if tables.half:
+                        y, z = y - 0.5 * x[node, 12 + j], z - 0.5 * x[node, 12 + k]
+                    total[3 + i] -= out[at + 3 + i] + y * out[at + k] - z * out[at + j]
 
 
 @compiled

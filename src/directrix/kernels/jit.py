@@ -32,7 +32,7 @@ def inner(function: Callable[..., Any]) -> Callable[..., Any]:
     return _kept(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def _kept(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
+def _kept(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     dispatcher: Any = njit(error_model="numpy", **options)(function)
     dispatcher._cache = _Cache(function)
     return dispatcher

@@ -9,7 +9,7 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from directrix.kernels.chain import solve_chain
-from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, internal_forces
+from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, ground, internal_forces, lost
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
@@ -251,9 +251,14 @@ def finish(tables, work, x, g, before, mask, totals, strains):
         x[:nodes, 24:36] = 0.0
     else:
         commit(tables, work, x, g)
+    taken = lost(tables, work, x, g)
+    ground(tables, work, x, g)
+    for i in range(3):
+        force[i] += work.ground[i]
+        moment[i] += work.ground[3 + i]
     for node in range(nodes):
         orthonormal(x[node, 3:12])
-    lost = end(tables.rates, nodes, x, g, tables.lumped)
+    taken += end(tables.rates, nodes, x, g, tables.lumped)
     for node in range(nodes):
         for i in range(12):
             x[node, 12 + i] = 0.0 if i < 3 else x[node, i]
@@ -266,8 +271,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             work.before[point, i] = strains[point, i]
     books(tables, work, x, totals, strains)
     if damped:
-        lost += _dissipated(tables.damping, work.before, strains)
-    work.flow[8] = lost
+        taken += _dissipated(tables.damping, work.before, strains)
+    work.flow[8] = taken
 
 
 @inner

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation, Group
-from directrix.formulations.element import Committed, record_audit, record_commit, record_step
+from directrix.formulations.element import Committed, Lossy, record_audit, record_commit, record_lost, record_step
 from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.kernels.compile import LANES, kernel_address, padded
 from directrix.kernels.elimination import elimination_address
@@ -65,6 +65,7 @@ class Work(NamedTuple):
     eliminated: Array
     back: Array
     flow: Array
+    ground: Array
     common: Array
 
 
@@ -76,8 +77,8 @@ def _in_lanes(parameters: Any) -> Any:
     return padded.reshape(blocks, LANES, size).transpose(0, 2, 1).ravel()
 
 
-def _kernels(group: Group, scheme: Scheme) -> tuple[int, int, int, int]:
-    layout, element = group.layout, scheme.element
+def _kernels(group: Group) -> tuple[int, int, int, int, int]:
+    layout, element = group.layout, group.element
     about = f"{layout} {element}"
     return (
         kernel_address(f"step {about}", lambda: record_step(element, layout, tangent=True)),
@@ -86,6 +87,7 @@ def _kernels(group: Group, scheme: Scheme) -> tuple[int, int, int, int]:
         kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
         if element.rows(layout)
         else 0,
+        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
     )
 
 
@@ -97,12 +99,13 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     history = disc.nodes * (2 if scheme.nodal_rows else 1)
     for group in disc.groups:
         ne, nn = group.conn.shape
-        rows = scheme.element.rows(group.layout)
+        rows = group.element.rows(group.layout)
         lanes = _in_lanes(group.parameters)
         head.append(
             (
-                *_kernels(group, scheme), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
+                *_kernels(group), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
                 at["element"], at["back"], at["at"], rows, history,
+                int(group.grounded),
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
@@ -115,7 +118,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             ("conn", ne * nn),
             ("par", lanes.size),
             ("element", ne),
-            ("back", 6 * (nn - 2) * ne),
+            ("back", 6 * max(0, nn - 2) * ne),
             ("at", places[-1].size),
         ):
             at[key] += n
@@ -136,7 +139,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.dest.ravel(),
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
-        scheme.static and any(scheme.element.rows(g.layout) for g in disc.groups),
+        scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         _damping(disc, scheme),
     )
@@ -149,6 +152,8 @@ def _damping(disc: Discretisation, scheme: Scheme) -> Array:
         return out[:0]
     chi = scheme.common[2]
     for group in disc.groups:
+        if group.names:
+            continue
         parts = group.layout.split(group.parameters.T)  # type: ignore[arg-type]
         weights = gauss(group.layout.points)[1]
         unit: Any = np.eye(6)[:, :, None]
@@ -164,9 +169,9 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     """Workspace for one run."""
     n, rows = disc.nodes, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
-    history = max(HISTORY * scheme.element.rows(g.layout) for g in disc.groups)
+    history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
     outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
-    inside = sum(6 * (g.layout.nn - 2) * len(g.conn) for g in disc.groups)
+    inside = sum(6 * max(0, g.layout.nn - 2) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
         applied=np.zeros((n, 6)),
@@ -185,5 +190,6 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
         back=np.zeros((inside, 13)),
         flow=np.zeros(9),
+        ground=np.zeros(6),
         common=np.array(scheme.common),
     )

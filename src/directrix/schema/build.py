@@ -108,6 +108,9 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
             yield (key, k), partial(_load, load)
     if tables.gravity is not None:
         yield ("gravity",), partial(_load, tables.gravity)
+    for key in ("spring", "cable", "dashpot", "point_mass", "rigid_body"):
+        for k, table in enumerate(getattr(tables, key)):
+            yield (key, k), partial(_attach, key, table)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -201,6 +204,14 @@ def _load(load: m.Load, model: Model) -> Model:
             return model.distributed(load.rod, value, constant=load.constant)
         case _:
             return model.gravity(value, constant=load.constant)
+
+
+def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
+    """The method of the model has the name of the table, and its arguments the names of the keys."""
+    given = dict(_given(table))
+    if "mass" in given and kind == "point_mass":
+        given["m"] = given.pop("mass")
+    return getattr(model, kind)(**given)
 
 
 def _velocity(start: m.Velocity, model: Model) -> Model:

@@ -49,6 +49,7 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
         held = [dof for dof, fixed in zip(DOFS, disc.fixed[k], strict=True) if fixed]
         moved = " (moves as prescribed)" if any(p[0] == k for p in disc.prescribed) else ""
         yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
+    yield from _attached(disc)
     yield from _loads(disc, isinstance(case.analysis, Statics))
     assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
@@ -109,6 +110,21 @@ def _section(section: Section) -> Iterator[str]:
     if np.any(section.damping):
         yield "    viscous, diagonal: " + ", ".join(f"{v:.6g}" for v in np.diag(section.damping))
     yield from (f"    assumed: {sentence}" for sentence in section.assumptions)
+
+
+def _attached(disc: Discretisation) -> Iterator[str]:
+    model = disc.model
+    places = {name: disc.mesh.r0[k] for name, k in disc.mesh.node_names.items()}
+    if model.links or model.bodies:
+        yield "attached"
+    for link in model.links:
+        rest, _ = link.measures(places)
+        to = link.b if isinstance(link.b, str) else f"ground at {_vector(np.array(link.b))}"
+        what = "cable" if link.cable else "spring" if link.stiffness else "dashpot"
+        damped = f", damping {link.damping:.6g}" if link.damping else ""
+        yield f"  {what} {link.name}: {link.a} – {to}, stiffness {link.stiffness:.6g}, length {rest:.6g}{damped}"
+    for body in model.bodies:
+        yield f"  body on {body.node}: mass {body.mass:.6g}, moments {_vector(np.diag(body.inertia))}"
 
 
 def _loads(disc: Discretisation, static: bool) -> Iterator[str]:

@@ -220,6 +220,68 @@ class RigidVelocity(Strict):
     about: Vector = (0.0, 0.0, 0.0)
 
 
+# --- what is attached
+
+
+def _name_or_place(value: object) -> str:
+    return "node" if isinstance(value, str) else "place"
+
+
+End = Annotated[Annotated[Name, Tag("node")] | Annotated[Vector, Tag("place")], Discriminator(_name_or_place)]
+
+
+class Link(Strict):
+    """A straight link from a point of a node to a point of another, or to a place on the ground."""
+
+    name: Name | None = None
+    """"link1", "link2", … unless given."""
+    a: Name
+    """Node of the first point."""
+    b: End
+    """Node of the second point, or the place [x, y, z] on the ground."""
+    offset_a: Vector = (0.0, 0.0, 0.0)
+    """From the node to the first point, in the reference; turns with the node."""
+    offset_b: Vector = (0.0, 0.0, 0.0)
+    """From the node to the second point."""
+
+
+class Spring(Link):
+    """Linear spring."""
+
+    stiffness: Positive
+    length: NotNegative | None = None
+    """Without tension; the distance in the reference unless given."""
+    damping: NotNegative = 0.0
+    """Force per rate of length."""
+
+
+class Cable(Spring):
+    """Pulls and does not push."""
+
+    width: Positive | None = None
+    """Length over which the change is smooth; a thousandth of ``length`` unless given."""
+
+
+class Dashpot(Link):
+    """Force proportional to the rate of length, in dynamics."""
+
+    damping: Positive
+
+
+class PointMass(Strict):
+    """Mass on a node."""
+
+    node: Name
+    mass: Positive
+
+
+class RigidBody(PointMass):
+    """Rigid body on a node, its centre of mass there."""
+
+    inertia: Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
+    """3×3 about its centre of mass, in the reference frame."""
+
+
 # --- what to do
 
 
@@ -376,6 +438,11 @@ class CaseFile(Strict):
     distributed: Annotated[tuple[Distributed, ...], Field(strict=False)] = ()
     gravity: Gravity | None = None
     velocity: Annotated[tuple[Velocity, ...], Field(strict=False)] = ()
+    spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
+    cable: Annotated[tuple[Cable, ...], Field(strict=False)] = ()
+    dashpot: Annotated[tuple[Dashpot, ...], Field(strict=False)] = ()
+    point_mass: Annotated[tuple[PointMass, ...], Field(strict=False)] = ()
+    rigid_body: Annotated[tuple[RigidBody, ...], Field(strict=False)] = ()
     rigid_velocity: RigidVelocity | None = None
     statics: Statics | None = None
     dynamics: Dynamics | None = None
