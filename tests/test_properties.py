@@ -96,7 +96,7 @@ def test_an_element_is_objective_and_its_tangent_and_discrete_gradient_are_exact
 def test_a_flight_keeps_energy_and_momenta(rod: Rod) -> None:
     result = dx.simulate(replace(rod, force=(0.0, 0.0, 0.0)).model(), t_end=2.0, dt=0.1)
     assert result.success
-    assert all(e.claimed and e.value <= 1e-12 for e in result.audit.entries)
+    assert all(e.claimed and e.value <= 1e-11 for e in result.audit.entries)
 
 
 @several
