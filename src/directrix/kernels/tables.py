@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import gauss
-from directrix.discretisation import Discretisation, Group
+from directrix.discretisation import Discretisation
 from directrix.formulations.element import Committed, Lossy, record_audit, record_commit, record_lost, record_step
 from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
+from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
 from directrix.kernels.elimination import elimination_address
 from directrix.scheme import Rates, Scheme
