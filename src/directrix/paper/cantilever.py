@@ -12,8 +12,7 @@ from directrix.paper.record import Array, Row, Table, ten
 
 
 def energies(integrator: Integrator | None = None) -> Array:
-    """Total energy at t = 7 … 20 (14,) of twenty steps of 1; the step from 6 to 7 carries the mean of its end "
-    "loads."""
+    """Total energy at t = 7 … 20 (14,) of twenty steps of 1; the step from 6 to 7 carries the mean of its end loads."""
     result = dx.simulate(
         cantilever_pulse(), 20.0, 1.0, load_rule="average", integrator=integrator, raise_on_failure=True
     )
@@ -31,16 +30,14 @@ def table_3() -> Table:
     varies, kept, was = (float(np.ptp(e) / e[0]) for e in (simo, ours, printed))
     return Table(
         "Table III",
-        "Cantilever after a pulse: total energy",
-        ("Simo, Tarnow & Doblaré", "current"),
+        "Cantilever after a pulse: total energy, Simo, Tarnow & Doblaré (1995) and current",
+        ("1995", "current"),
         rows,
         ".10f",
         f"The energy of Simo, Tarnow & Doblaré varies by {ten(varies)} of itself (printed: {ten(was)}), that of "
-        "the current scheme by "
-        f"{ten(kept)}. The printed levels are not reproduced from the printed data.",
+        f"the current scheme by {ten(kept)}. The printed levels are not reproduced from the printed data.",
         (
-            "I is printed so that 12·10⁻⁷ is read; the load of the step from 6 to 7 is not defined. Both move "
-            "the levels, and no reading "
-            "that was tried meets them: the print leaves something out. Nothing here is tuned.",
+            "I is printed so that 12·10⁻⁷ is read; the load of the step from 6 to 7 is not defined. Both move the "
+            "levels, and no reading that was tried meets them: the print leaves something out. Nothing here is tuned.",
         ),
     )
