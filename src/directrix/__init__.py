@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from directrix.model import Model
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
+    from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
     from directrix.storage import load
 
@@ -29,6 +30,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ArcLength",
+    "BucklingLoads",
     "ConvergenceError",
     "CrisfieldJelenic",
     "Directors",
@@ -42,6 +44,7 @@ __all__ = [
     "Midpoint",
     "Model",
     "ModelError",
+    "Modes",
     "Newmark",
     "Result",
     "Section",
@@ -51,10 +54,12 @@ __all__ = [
     "Status",
     "TurningPoint",
     "arc",
+    "buckling",
     "helix",
     "laws",
     "line",
     "load",
+    "modes",
     "polyline",
     "simulate",
     "solve_static",
@@ -80,6 +85,7 @@ _HOME = {
     "model": ("Model",),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
+    "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
     "storage": ("load",),
 }

@@ -11,7 +11,7 @@ from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
 
-__all__ = ["assemble", "books", "commit", "ground", "internal_forces", "lost"]
+__all__ = ["assemble", "books", "commit", "element_tangents", "ground", "internal_forces", "lost"]
 
 # columns of tables.head
 STEP, RESIDUAL, AUDIT, COMMIT, LOST, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY, GROUND = (
@@ -173,6 +173,26 @@ def assemble(tables, work, x, g, external, mask, frozen):
                     for j in range(6):
                         blocks[tables.diagonal[row], i, j] += work.node_block[node, i, j]
     return -1
+
+
+@compiled
+def element_tangents(tables, work, x, g, group, out):
+    """Tangents (ne, 6 nn, 6 nn) of a group of elements, nothing condensed and nothing held."""
+    head = tables.head[group]
+    nn, ne = head[NN], head[COUNT]
+    nd = 6 * nn
+    stride = -(-(nd + nd * nd) // LANES) * LANES
+    for block in range(-(-ne // LANES)):
+        first, count = block * LANES, min(LANES, ne - block * LANES)
+        parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * (nn + head[ROWS])
+        call_kernel(head[STEP], x, tables.at, places, tables.par, parameters, g, work.out)
+        for lane in range(count):
+            for b in range(nn):
+                for a in range(nn):
+                    at = lane * stride + nd + 36 * (nn * b + a)
+                    for i in range(6):
+                        for j in range(6):
+                            out[first + lane, 6 * a + i, 6 * b + j] = work.out[at + 6 * i + j]
 
 
 @compiled

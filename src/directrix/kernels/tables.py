@@ -20,7 +20,7 @@ from directrix.scheme import Rates, Scheme
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Tables", "Work", "tables_for", "work_for"]
+__all__ = ["Tables", "Work", "in_lanes", "tables_for", "work_for"]
 
 
 class Tables(NamedTuple):
@@ -70,7 +70,7 @@ class Work(NamedTuple):
     common: Array
 
 
-def _in_lanes(parameters: Any) -> Any:
+def in_lanes(parameters: Any) -> Any:
     """(ne, size) → blocks of [parameter][lane], the last one filled up with its last element."""
     ne, size = parameters.shape
     blocks = -(-ne // LANES)
@@ -101,7 +101,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     for group in disc.groups:
         ne, nn = group.conn.shape
         rows = group.element.rows(group.layout)
-        lanes = _in_lanes(group.parameters)
+        lanes = in_lanes(group.parameters)
         head.append(
             (
                 *_kernels(group), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
@@ -111,7 +111,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         )  # fmt: skip
         conn.append(group.conn.ravel())
         read = np.concatenate([group.conn, history + rows * np.arange(ne)[:, None] + np.arange(rows)], axis=1)
-        places.append(_in_lanes(PER_NODE * read))
+        places.append(in_lanes(PER_NODE * read))
         history += rows * ne
         par.append(lanes)
         station.append(group.station)
