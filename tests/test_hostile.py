@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import directrix as dx
+from directrix.plot import compare_energy_momentum
+from directrix.schema import load_case
 
 SECTION = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
@@ -81,7 +84,30 @@ PLACES: dict[str, Callable[[Any], object]] = {
     "save_every": lambda w: moving(save_every=w),
     "node": lambda w: RESULT.node(w),
     "rod": lambda w: RESULT.rod(w),
+    "shape": lambda w: RESULT.plot.shape(at=w),
+    "motion": lambda w: RESULT.plot.motion(frames=1.5 if isinstance(w, int) and w > 1 else w),
+    "residual": lambda w: RESULT.plot.energy(residual=None if w is True else w),
+    "history of a node": lambda w: RESULT.plot.history(w),
+    "history": lambda w: RESULT.plot.history("A", w),
+    "path of a node": lambda w: RESULT.plot.path(w, "x"),
+    "path": lambda w: RESULT.plot.path("A", w),
+    **{
+        f"axes of {name}": lambda w, name=name, args=args: getattr(RESULT.plot, name)(*args, ax=w)
+        for name, args in (("shape", ()), ("motion", ()), ("energy", ()), ("history", ("A",)), ("path", ("A", "x")))
+    },
+    "save": lambda w: RESULT.save(no_text(w)),
+    "view": lambda w: RESULT.view(no_text(w)),
+    "load": lambda w: dx.load(no_text(w)),
+    "case": lambda w: load_case(no_text(w)),
+    "comparison": lambda w: compare_energy_momentum({"a": RESULT}, no_text(w)),
 }
+
+
+def no_text(given: Any) -> Any:
+    """What is never the name of a file: a text is one, unless it is empty or holds what no file system takes."""
+    return {"12": "a\0b"}.get(given, given) if isinstance(given, str) else given
+
+
 RESULT = static()
 
 
@@ -106,6 +132,9 @@ def test_no_argument_gets_through_that_is_of_another_kind(place: str) -> None:
         (lambda: static(progress="bar"), "cannot be called"),
         (lambda: moving(integrator=dx.Midpoint), "not an integrator"),
         (lambda: moving(dt=1e-300), "more than 10¹² steps"),
+        (lambda: RESULT.save(""), "path = '' is not the path"),
+        (lambda: RESULT.view("\ud800.html"), "is not the path"),
+        (lambda: RESULT.plot.energy(ax=Figure().add_subplot(projection="3d")), "the axes given is in space"),
         (lambda: dx.Section.circle(1e308, E=1, nu=0.3), "out of reach"),
         (lambda: dx.spline([(0, 0, 0), (1, 0, 0), (0, 0, 0)]), "turns back on itself"),
         (lambda: dx.polyline([(0, 0, 0), (1, 0, 0), (0, 0, 0)]), "turns back on itself"),
@@ -141,3 +170,30 @@ def test_a_function_that_fails_on_the_way_keeps_the_run_so_far(bad: Any) -> None
             assert (result.success, result.status.code) == (False, "bad_input")
             assert "node 'B'" in result.status.sentence and result.status.advice
             assert 0.25 < result.t[-1] < 0.4 and np.all(np.isfinite(result.r))
+
+
+RUNS: dict[str, Callable[..., dx.Result]] = {
+    "motion": lambda **more: dx.simulate(held().velocity("B", (0, 1, 0)), 1.0, 0.1, **more),
+    "statics": lambda **more: dx.solve_static(held().force("B", (0, 1, 0)), steps=10, **more),
+    "path": lambda **more: dx.solve_static(
+        held().force("B", (0, 1, 0)), control=dx.DisplacementControl("B", "y", to=0.1, steps=10), **more
+    ),
+}
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("no"), dx.ModelError("no"), Hostile], ids=repr)
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_progress_that_fails_keeps_the_run_so_far(kind: str, error: Any) -> None:
+    def progress(done: float, line: str) -> None:
+        if done > 0.35:
+            raise error if isinstance(error, Exception) else TypeError(error())
+
+    whole, result = RUNS[kind](), RUNS[kind](progress=progress)
+    assert (result.success, result.status.code) == (False, "bad_input")
+    assert "progress fails with" in result.status.sentence and "start=" in result.status.advice
+    assert 1 < len(result.t) < len(whole.t)
+    np.testing.assert_array_equal(result.r, whole.r[: len(result.t)])
+    if kind == "motion":
+        assert f"stopped at t = {result.t[-1]:g}" in result.status.sentence
+    with pytest.raises(dx.ConvergenceError, match="progress fails with"):
+        RUNS[kind](progress=progress, raise_on_failure=True)

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,20 @@ from directrix.errors import ModelError
 
 Vec = tuple[float, float, float]
 
-__all__ = ["Vec", "choice", "flag", "nearest", "number", "shown", "text", "vector", "whole"]
+__all__ = [
+    "Vec",
+    "choice",
+    "file",
+    "flag",
+    "nearest",
+    "number",
+    "reporting",
+    "shown",
+    "step_count",
+    "text",
+    "vector",
+    "whole",
+]
 
 
 def shown(value: Any) -> str:
@@ -92,3 +107,50 @@ def nearest(word: str, known: Iterable[str]) -> str:
     """ "did you mean 'x'? " for the nearest known word, or nothing."""
     found = get_close_matches(word, list(known), 1)
     return f"did you mean {found[0]!r}? " if found else ""
+
+
+def file(value: Any, what: str) -> Path:
+    """A path from a text or ``os.PathLike`` that gives one; raises ModelError that names ``what``."""
+    try:
+        name = os.fspath(value)
+        good = isinstance(name, str) and name.strip() and b"\0" not in os.fsencode(name)
+    except Exception:  # no path, a __fspath__ of the user's own, or characters that no file system takes
+        good = False
+    if not good:
+        raise ModelError(f"{what} = {shown(value)} is not the path of a file", "give a text or a pathlib.Path")
+    return Path(value)
+
+
+def step_count(t0: float, t_end: float, dt: float) -> int:
+    """Steps ``dt`` > 0 from ``t0`` to ``t_end``; raises ModelError when they are too many or not whole."""
+    if not t_end > t0:
+        raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
+    if not (t_end - t0) / dt < 1e12:
+        raise ModelError(
+            f"dt = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", "dt=, t_end="
+        )
+    steps = round((t_end - t0) / dt)
+    if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
+        near = max(1, steps)
+        since = f"from t = {t0:g} to " if t0 else ""
+        raise ModelError(
+            f"{since}t_end = {t_end:g} is not a whole number of steps dt = {dt:g}",
+            f"use dt = {(t_end - t0) / near:.10g} or t_end = {t0 + near * dt:.10g}",
+            "dt=, t_end=",
+        )
+    return steps
+
+
+def reporting(progress: Callable[[float, str], Any] | None) -> Callable[[float, str], None]:
+    """``progress`` as a run calls it: what it raises becomes a ModelError, with which the run ends and is kept."""
+
+    def report(done: float, line: str) -> None:
+        try:
+            if progress is not None:
+                progress(done, line)
+        except Exception as error:  # whatever a user's function raises
+            raise ModelError(
+                f"progress fails with {shown(error)}", "mend or leave out the function, and go on with start="
+            ) from error
+
+    return report

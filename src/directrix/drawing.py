@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import lagrange
+from directrix.checks import shown
 from directrix.errors import ModelError
 from directrix.result import Result, RodMesh
 
@@ -67,11 +68,22 @@ def stage(result: Result, ax: Any) -> Stage:
                 axis.pane.set_edgecolor(GHOST)
                 axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         return Stage(ax, plane or (0, 1, 2))
-    if ax.name == "3d":
+    if _axes(ax).name == "3d":
         return Stage(ax, (0, 1, 2))
     if plane is None:
         raise ModelError("the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")')
     return Stage(ax, plane)
+
+
+def _axes(ax: Any) -> Any:
+    need_matplotlib()
+    from matplotlib.axes import Axes
+
+    if not isinstance(ax, Axes):
+        raise ModelError(
+            f"ax = {shown(ax)} is not one axes of matplotlib", "give what add_subplot() returns, or leave it out"
+        )
+    return ax
 
 
 def _plane(result: Result) -> tuple[int, ...] | None:
@@ -131,6 +143,8 @@ def curves(result: Result, ax: Any) -> Any:
     if ax is None:
         ax = pyplot().figure(figsize=(7.0, 4.2), layout="constrained").add_subplot()
         dress(ax)
+    elif _axes(ax).name == "3d":
+        raise ModelError("the axes given is in space, the curves are flat", "give add_subplot()")
     ax.set_xlabel(clock(result) if rises(result) else "arc length of the path")
     return ax
 

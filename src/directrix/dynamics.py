@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from directrix.audit import DynamicBooks
-from directrix.checks import choice, number, shown, whole
+from directrix.checks import choice, number, reporting, shown, step_count, whole
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.formulations import refuse_strategies
@@ -73,7 +73,7 @@ def simulate(
     t_end, dt = number(t_end, "t_end"), number(dt, "dt", above=0.0)
     refuse_damping(model, integrator)
     t0 = float(start.t[-1]) if isinstance(start, Result) and start.kind == "dynamic" else 0.0
-    steps = _count(t0, t_end, dt)
+    steps = step_count(t0, t_end, dt)
     scheme = integrator.scheme(dt)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
@@ -88,7 +88,7 @@ def simulate(
     ledger = DynamicBooks(disc, integrator, books, dt)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
     steady = not any(load.varies for load in disc.loads)
-    before = t0
+    before, report = t0, reporting(progress)
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
         for k in range(1, steps + 1):
@@ -118,12 +118,11 @@ def simulate(
             ledger.add(books)
             if k % save_every == 0 or k == steps:
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
-            if progress is not None:
-                energy = books.totals[0] + books.totals[1]
-                progress(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
+            before, energy = t, books.totals[0] + books.totals[1]
+            report(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
-    except ModelError as error:  # a function of time that fails on the way: keep what there is
+    except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
     info = {
         "integrator": repr(integrator), "formulation": repr(integrator.formulation), "dt": dt, "t_end": t_end,
@@ -160,21 +159,3 @@ def refuse_damping(model: Model, integrator: Integrator) -> None:
                 "use a step of the midpoint family, e.g. dx.EnergyMomentum(), or leave damping= out",
                 "integrator=",
             )
-
-
-def _count(t0: float, t_end: float, dt: float) -> int:
-    if not t_end > t0:
-        raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
-    if not (t_end - t0) / dt < 1e12:
-        raise ModelError(
-            f"dt = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", "dt=, t_end="
-        )
-    steps = round((t_end - t0) / dt)
-    if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
-        near = max(1, steps)
-        raise ModelError(
-            f"from t = {t0:g} to t_end = {t_end:g} is not a whole number of steps dt = {dt:g}",
-            f"use dt = {(t_end - t0) / near:.10g} or t_end = {t0 + near * dt:.10g}",
-            "dt=, t_end=",
-        )
-    return steps

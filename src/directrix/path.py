@@ -162,7 +162,7 @@ class Walk:
             )
         return None
 
-    def go(self, progress: Progress | None) -> Status:
+    def go(self, progress: Progress) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
         gauge, reach = self.gauge, self.gauge.first
         while gauge.left > 0.0:
@@ -180,8 +180,7 @@ class Walk:
                 continue
             self._take(trial, part and trial is whole, turned)
             reach = gauge.after(wish, whole.iterations)
-            if progress is not None:
-                progress(gauge.share(self.steps), f"load factor {self.point.factor:.6g}  {trial.iterations} iterations")
+            progress(gauge.share(self.steps), f"load factor {self.point.factor:.6g}  {trial.iterations} iterations")
             if self._asked():
                 return Status("stopped", f"until is true{self._here()}")
         return Status("done", f"reached {gauge.aim}{self._here()}")

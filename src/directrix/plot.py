@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from os import PathLike, fspath
-from pathlib import Path
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import checks
 from directrix import drawing as draw
+from directrix.checks import choice, flag, shown, whole
 from directrix.errors import ModelError
 from directrix.result import Result
 
@@ -45,8 +46,10 @@ class Plots:
         """
         result = self.result
         count = len(result.t)
-        if not -count <= at < count or at % 1:
-            raise ModelError(f"there is no saved instant {at}", f"instants are 0 … {count - 1}, or -1 for the last")
+        if not isinstance(at, (int, np.integer)) or isinstance(at, bool) or not -count <= at < count:  # pyright: ignore
+            raise ModelError(
+                f"there is no saved instant {shown(at)}", f"instants are 0 … {count - 1}, or -1 for the last"
+            )
         stage = draw.stage(result, ax)
         draw.ghost(stage, result)
         for rod in result.mesh.rods:
@@ -62,8 +65,7 @@ class Plots:
         Raises ModelError when ``frames`` is not a positive whole number.
         """
         result = self.result
-        if not frames >= 1 or frames % 1:
-            raise ModelError(f"frames = {frames} is not a positive whole number", "ask for 1, 2, … shapes")
+        frames = whole(frames, "frames", 1)
         stage = draw.stage(result, ax)
         from matplotlib import colormaps, colors
         from matplotlib.cm import ScalarMappable
@@ -90,7 +92,7 @@ class Plots:
         ``residual=True`` adds, on a second scale, what the ledger does not explain. In statics stored energy
         and the work done on the model.
         """
-        result, energy = self.result, self.result.energy
+        result, energy, residual = self.result, self.result.energy, flag(residual, "residual")
         pen = draw.curves(result, ax)
         if result.kind == "static":
             order = draw.abscissa(result)
@@ -126,8 +128,7 @@ class Plots:
         """
         result = self.result
         words = {"displacement": "u", "r": "", "v": "v", "reaction": "F"}
-        if quantity not in words:
-            raise ModelError(f"there is no history of {quantity!r}", f"quantities: {', '.join(words)}")
+        choice(quantity, "history of", words)
         values: Array = getattr(result.node(node), quantity)
         pen = draw.curves(result, ax)
         draw.components(pen, result, values[:, :3], words[quantity], "-")
@@ -145,8 +146,7 @@ class Plots:
         result = self.result
         if result.kind != "static":
             raise ModelError("a motion has no load factor to draw", "plot history, or follow a path with solve_static")
-        if component not in COMPONENTS:
-            raise ModelError(f"there is no component {component!r}", f"components: {', '.join(COMPONENTS)}")
+        choice(component, "component", COMPONENTS)
         moved = result.node(node).displacement[:, COMPONENTS.index(component)]
         pen = draw.curves(result, ax)
         pen.plot(moved, result.load_factor, color=draw.BLUE, lw=1.8, **draw.dots(result))
@@ -174,8 +174,7 @@ def compare_energy_momentum(results: Mapping[str, Result], path: str | PathLike[
     Raises ModelError when there is nothing to compare, for a static result, and when the file cannot be
     written.
     """
-    if not snapshots >= 1 or snapshots % 1:
-        raise ModelError(f"snapshots = {snapshots} is not a positive whole number", "ask for 1, 2, … snapshots")
+    snapshots, file = whole(snapshots, "snapshots", 1), checks.file(path, "path")
     if not results:
         raise ModelError("there is no result to compare", "give at least one, such as {'energy-momentum': result}")
     for label, result in results.items():
@@ -204,15 +203,13 @@ def compare_energy_momentum(results: Mapping[str, Result], path: str | PathLike[
         pen.set_xlabel("t")
         draw.dress(pen)
     _snapshots(lower, first_label, first, snapshots)
-    if Path(path).suffix[1:] not in figure.canvas.get_supported_filetypes():
-        raise ModelError(f"{fspath(path)} names no known kind of picture", "end it in .png, .pdf or .svg")
+    if file.suffix[1:] not in figure.canvas.get_supported_filetypes():
+        raise ModelError(f"{file} names no known kind of picture", "end it in .png, .pdf or .svg")
     try:
-        figure.savefig(fspath(path), dpi=160)
+        figure.savefig(file, dpi=160)
     except OSError as error:
-        raise ModelError(
-            f"cannot write {fspath(path)}: {error.strerror}", "choose a file in a folder that exists"
-        ) from None
-    return fspath(path)
+        raise ModelError(f"cannot write {file}: {error.strerror}", "choose a file in a folder that exists") from None
+    return str(file)
 
 
 def _total_energies(pen: Any, label: str, first: Result, others: list[tuple[str, Result]]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
-from directrix.checks import choice, whole
+from directrix.checks import choice, reporting, whole
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
@@ -113,10 +113,10 @@ def solve_static(
         run = Walk(newton, control, recorder, save_every)
     status = run.begin(x, start)
     try:
-        status = status or run.go(progress)
+        status = status or run.go(reporting(progress))
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at load factor {run.factor:.6g}.", "Go on with start=.")
-    except ModelError as error:  # a function of the load factor that fails on the way: keep what there is
+    except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
     run.close()
     info = {
@@ -146,7 +146,7 @@ class _LoadSteps:
         self.ledger = StaticBooks(self.newton.disc, self.books)
         self._keep()
 
-    def go(self, progress: Progress | None) -> Status:
+    def go(self, progress: Progress) -> Status:
         """Step on until load factor 1, or a step that fails at its smallest."""
         newton, disc, steps = self.newton, self.newton.disc, self.steps
         acting, reach = newton.applied(self.x, disc.external(0.0, 0.0)), 1.0 / steps
@@ -175,8 +175,7 @@ class _LoadSteps:
             part = round(factor * steps)
             if factor == goal and (part % self.save_every == 0 or part == steps):
                 self._keep()
-            if progress is not None:
-                progress(factor, f"load factor {factor:.6g}  {outcome.iterations} iterations")
+            progress(factor, f"load factor {factor:.6g}  {outcome.iterations} iterations")
         cut = f", {self.cuts} of them cut" if self.cuts else ""
         return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
 

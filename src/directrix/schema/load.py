@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
-from directrix import controls
+from directrix import checks, controls
 from directrix.errors import InputError, ModelError
 from directrix.schema.build import build_control, build_model, placed
 from directrix.schema.messages import Source, explain
@@ -142,7 +142,7 @@ def load_case(path: str | PathLike[str]) -> Case:
 
     Raises InputError, with file, line and key, for anything that cannot be right in the file or the model.
     """
-    file = Path(path)
+    file = checks.file(path, "path")
     raw = _read(file)
     source = _parse(file, raw)
     try:
@@ -211,7 +211,7 @@ def _parse(file: Path, raw: bytes) -> Source:
         if file.suffix.lower() == ".toml":
             data, places = tomllib.loads(text), toml_places
         else:
-            data, places = json.loads(text, object_pairs_hook=_unique), json_places
+            data, places = json.loads(text if text.strip() else "{}", object_pairs_hook=_unique), json_places
     except tomllib.TOMLDecodeError as error:
         raise _syntax(file, text, str(error)) from None
     except json.JSONDecodeError as error:
@@ -224,6 +224,12 @@ def _parse(file: Path, raw: bytes) -> Source:
         raise InputError("holds a number of thousands of digits", "shorten it", str(file)) from None
     except RecursionError:
         raise InputError("is nested too deeply", "a case file needs no such nesting", str(file)) from None
+    if data == {}:
+        raise InputError(
+            "the case is empty",
+            "describe a section, a rod and an analysis; directrix examples prints cases to begin with",
+            f"{file}:1",
+        )
     if not isinstance(data, dict):
         raise InputError("the top of the file is not a table", "write an object in braces { … }", f"{file}:1")
     return Source(str(file), cast("dict[str, Any]", data), places(text))

@@ -84,6 +84,8 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
             return "has too few entries", f"give {_entries(error['loc'])}"
         case "missing":
             return f"{key!r} is missing", f"add {key} = …"
+        case "float_type" | "int_parsing_size" if type(given) is int:
+            return f"{shown} a smaller number", "check the number of digits"
         case "float_type":
             return f"{shown} a number", "write it without quotes, e.g. 0.5"
         case "finite_number":

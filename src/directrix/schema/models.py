@@ -9,6 +9,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from directrix.checks import step_count
+from directrix.errors import ModelError
 from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
 from directrix.schema.functions import Time, VectorTable
 from directrix.schema.sections import Section
@@ -407,13 +409,10 @@ class Dynamics(Strict):
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Self:
-        steps = max(1, round(self.t_end / self.dt))
-        if abs(steps * self.dt - self.t_end) > 1e-6 * self.dt:
-            raise refuse(
-                f"t_end = {self.t_end:g} is not a whole number of steps dt = {self.dt:g}",
-                f"use dt = {self.t_end / steps:.10g} or t_end = {steps * self.dt:.10g}",
-                "dt",
-            )
+        try:
+            step_count(0.0, self.t_end, self.dt)
+        except ModelError as error:
+            raise refuse(error.what, error.fix, "dt") from None
         return self
 
 

@@ -27,6 +27,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import checks
 from directrix.audit import Audit, Entry
 from directrix.errors import InputError
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
@@ -52,7 +53,8 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
     energies. Both carry the index of the rod. Time is ``result.t`` where that increases strictly,
     else (a load factor that turns back) the number of the saved instant.
     """
-    file, where = Path(path).resolve(), str(path)  # a link stays a link
+    where = str(checks.file(path, "path"))
+    file = Path(where).resolve()  # a link stays a link
     if os.path.isdir(file):
         raise InputError("this is a folder, not a file", "name a file in it, such as result.vtkhdf", where)
     if not os.path.isdir(file.parent):
@@ -81,7 +83,8 @@ def load(path: str | os.PathLike[str]) -> Result:
 
     Raises InputError for a file that is missing, unreadable, damaged, from a newer format or not ours.
     """
-    file, where = Path(path), str(path)
+    file = checks.file(path, "path")
+    where = str(file)
     if os.path.isdir(file):
         raise InputError("this is a folder, not a result file", "name the .vtkhdf file in it", where)
     try:

@@ -8,13 +8,13 @@ import re
 from base64 import b64encode
 from hashlib import sha256
 from importlib.resources import files
-from os import PathLike, fspath
-from pathlib import Path
+from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix import checks
 from directrix.drawing import evenly
 from directrix.errors import ModelError
 from directrix.result import Result, RodMesh
@@ -33,14 +33,12 @@ def write_html(result: Result, path: str | PathLike[str]) -> str:
     Raises ModelError when the file cannot be written (its folder is missing, say) and when the result holds
     numbers that are not finite.
     """
-    page = _page(result)
+    file, page = checks.file(path, "path"), _page(result)
     try:
-        Path(path).write_text(page, encoding="utf-8", newline="\n")
+        file.write_text(page, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise ModelError(
-            f"cannot write {fspath(path)}: {error.strerror}", "choose a file in a folder that exists"
-        ) from None
-    return fspath(path)
+        raise ModelError(f"cannot write {file}: {error.strerror}", "choose a file in a folder that exists") from None
+    return str(file)
 
 
 def _page(result: Result) -> str:
