@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from directrix.formulations.layout import Layout
 from directrix.formulations.simo_tarnow_doblare import SimoTarnowDoblareStep
 from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.laws import Law, stiffening_bending, tension_only
+from directrix.newton import Newton
 from directrix.rotations import cay, exp
 
 MODULI = dict(EA=5.0, GA1=3.0, GA2=2.0, EI1=1.0, EI2=1.5, GJ=1.0)
@@ -102,14 +105,24 @@ def test_the_formulations_converge_to_one_solution(formulation, order: int) -> N
     assert np.log2(errors[0] / errors[1]) >= 2 * order - 0.3
 
 
-def test_a_step_that_is_cut_starts_from_where_it_started() -> None:
+def test_a_step_that_is_cut_starts_from_where_it_started(monkeypatch: pytest.MonkeyPatch) -> None:
     """Simo & Vu-Quoc carry their rotations in the state: a failed try leaves no trace."""
+    starts: list[np.ndarray] = []
+    begin = Newton.begin
+
+    def noted(self: Newton, x: np.ndarray) -> None:
+        starts.append(x.copy())
+        begin(self, x)
+
+    monkeypatch.setattr(Newton, "begin", noted)
     model = dx.Model().rod(
         dx.line((0, 0, 0), (1, 0, 0)), dx.Section.from_moduli(EA=1e6, GA1=1e6, GA2=1e6, EI1=1.0, EI2=1.0, GJ=1.0),
         ends=("a", "b"), elements=4, order=1,
     ).clamp("a").moment("b", (0, 0, 40.0)).force("b", (0.0, 0.0, 3000.0))  # fmt: skip
     cut = dx.solve_static(model, steps=1, formulation=dx.SimoVuQuoc())
     assert cut.success and cut.info["cuts"] >= 1
+    same = sum(np.array_equal(one, two) for one, two in pairwise(starts))
+    assert len(starts) == len(cut.iterations) and same == cut.info["cuts"]
     assert cut.audit.passed
 
 

@@ -35,6 +35,7 @@ def bent(order: int = 1, damping: float = 0.0) -> dx.Model:
 @pytest.mark.parametrize("integrator", ALL, ids=repr)
 def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None:
     found = check_integrator(integrator)
+    assert integrator.order == (1 if integrator in DISSIPATIVE else 2)
     assert abs(found.order - integrator.order) <= 0.05
     for law, claimed, deviation in found.laws:
         if claimed:
@@ -59,6 +60,17 @@ def test_the_ledger_of_a_driven_frame(integrator, order: int) -> None:
     assert result.success and result.info["solver"] == "sparse"
     for entry in result.audit.entries:
         assert not entry.claimed or entry.value <= 1e-11, entry.law
+
+
+@pytest.mark.parametrize("integrator", [dx.EnergyMomentum(), dx.Newmark()], ids=repr)
+def test_loads_that_turn_have_their_tangent(integrator) -> None:
+    """At half a step and at its end: a strong follower costs no more iterations than a strong load that does not."""
+    model = rod(2, 4).clamp("a")
+    still, turning = (
+        model.force("b", (0, 8.0, 4.0), follower=f).moment("b", (2.0, 1.0, 4.0), follower=f) for f in (False, True)
+    )
+    counts = [dx.simulate(m, 1.0, 0.1, integrator=integrator).iterations.sum() for m in (still, turning)]
+    assert counts[1] <= 1.1 * counts[0]
 
 
 def test_schemes_agree_as_the_step_shrinks() -> None:
@@ -93,6 +105,7 @@ def test_a_turning_rod_comes_to_a_steady_state_and_keeps_it(integrator) -> None:
     """Stretched by its rotation; vibrations die out, momentum stays, and then the energy does."""
     model = rod().rigid_velocity(omega=(0, 0, 3.0), about=(1.5, 0, 0))
     result = dx.simulate(model, t_end=200.0, dt=0.05, integrator=integrator)
+    assert result.audit.passed
     energy, spin = result.energy.total, result.momentum.angular[:, 2]
     assert np.ptp(spin) <= 1e-11 * spin[0]
     assert energy[0] - energy[-1] > 1e-3 * energy[0]

@@ -157,3 +157,7 @@ def test_equal_laws_are_equal_sections() -> None:
     one, two = (dx.Section.hyperelastic(stiffening_bending(**MODULI, onset=o)) for o in (0.8, 0.9))
     again = dx.Section.hyperelastic(stiffening_bending(**MODULI, onset=0.8))
     assert one == again and hash(one) == hash(again) and one != two
+    # kernels are kept by the record: laws of one stiffness are told apart by what they are beyond it
+    quartic, sextic = (Law.record(lambda e, n=n: linear(e) + e[3] ** n) for n in (4, 6))
+    np.testing.assert_array_equal(quartic.hessian, sextic.hessian)
+    assert quartic != sextic and quartic == Law.record(lambda e: linear(e) + e[3] ** 4)

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -112,7 +112,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def file(value: Any, what: str) -> Path:
     """A path from a text or ``os.PathLike`` that gives one; raises ModelError that names ``what``."""
     try:
-        name: object = os.fspath(value)
+        name = cast("object", os.fspath(value))
         good = isinstance(name, str) and name.strip() and b"\0" not in os.fsencode(name)
     except Exception:  # no path, a __fspath__ of the user's own, or characters that no file system takes
         good = False

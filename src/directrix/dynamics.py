@@ -57,7 +57,7 @@ def simulate(
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
     progress
-        Called after each step with the fraction done and a line of text.
+        Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 

@@ -73,7 +73,7 @@ def solve_static(
     rotation
         Update of the rotations in an iteration, "exponential" or "cayley"; both reach the same state.
     progress
-        Called after each part with the fraction done and a line of text.
+        Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 
