@@ -122,6 +122,27 @@ def test_a_step_that_does_not_converge_gives_what_there_is() -> None:
     assert error.value.result.t[-1] == result.t[-1]
 
 
+@pytest.mark.parametrize("save_every", [1, 4, 100])
+def test_the_last_state_is_kept_however_a_run_ends(save_every: int) -> None:
+    """Interrupted after 7 of 20 steps, a load function that fails, a step that does not converge."""
+
+    def interrupt(done: float, _: str) -> None:
+        if done > 0.33:
+            raise KeyboardInterrupt
+
+    whole = dx.simulate(flying(), t_end=1.0, dt=0.05)
+    runs = [
+        dx.simulate(flying(), 1.0, 0.05, save_every=save_every, progress=interrupt),
+        dx.simulate(flying().force("b", lambda t: (0, 0, 0) if t < 0.35 else None), 1.0, 0.05, save_every=save_every),
+        dx.simulate(flying().force("b", lambda t: (0, 0, 0 if t < 0.35 else 1e9)), 1.0, 0.05, save_every=save_every),
+    ]
+    for result in runs:
+        assert not result.success and result.t[-1] == pytest.approx(0.35)
+        np.testing.assert_allclose(result.r[-1], whole.r[7], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result.v[-1], whole.v[7], rtol=0, atol=1e-11)
+        assert result.energy.total[-1] == pytest.approx(whole.energy.total[7], rel=1e-12)
+
+
 def test_an_interruption_keeps_what_there_is() -> None:
     def stop(done: float, _: str) -> None:
         if done > 0.5:

@@ -89,6 +89,7 @@ def simulate(
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
     steady = not any(load.varies for load in disc.loads)
     before, report = t0, reporting(progress)
+    unsaved = None
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
         for k in range(1, steps + 1):
@@ -118,12 +119,17 @@ def simulate(
             ledger.add(books)
             if k % save_every == 0 or k == steps:
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
+                unsaved = None
+            else:  # for a run that ends on the way: a step that fails leaves x somewhere
+                unsaved = newton.positions(x), x.copy()
             before, energy = t, books.totals[0] + books.totals[1]
             report(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
+    if unsaved is not None:
+        recorder.keep(before, 1.0, *unsaved, books, ledger.flows)
     info = {
         "integrator": repr(integrator), "formulation": repr(integrator.formulation), "dt": dt, "t_end": t_end,
         "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),
