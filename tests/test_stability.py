@@ -1,4 +1,4 @@
-"""Frequencies and buckling loads against closed forms and published values."""
+"""Vibration and buckling: what defines them; published values are in the validation suite."""
 
 from __future__ import annotations
 
@@ -21,14 +21,12 @@ def rod(order: int = 2, elements: int = 32, **changes: float) -> dx.Model:
     )
 
 
-def test_a_cantilever_has_the_frequencies_of_euler_and_bernoulli() -> None:
-    """(βL)² = 3.516, 22.03, 61.70 in both planes; the slender rod meets them to 1e-5 (validation 4.1)."""
+def test_a_shape_has_unit_modal_mass() -> None:
+    """A cantilever's first shape is 2 A_ρ^−½ at its tip, whatever the mode."""
     found = dx.modes(rod().clamp("a"), count=6)
-    exact = np.repeat(np.array([1.8751040687, 4.6940911330, 7.8547574382]) ** 2, 2)
-    np.testing.assert_allclose(2.0 * np.pi * found.frequencies, exact, rtol=2e-5)
-    assert found.stable
     tip = found.mesh.node("b")
-    assert np.all(np.abs(found.shapes[:, tip, 1:3]).max(axis=1) > 1.0)
+    assert found.stable
+    np.testing.assert_allclose(np.linalg.norm(found.shapes[:, tip, 1:3], axis=1), 2.0, rtol=1e-4)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -68,41 +66,14 @@ def test_a_mass_on_the_tip_and_a_spring_take_part() -> None:
     assert (2.0 * np.pi * dx.modes(model, count=1).frequencies[0]) ** 2 == pytest.approx(4.0, rel=1e-5)
 
 
-@pytest.mark.parametrize("times", [10.0, 1e2, 1e3, 1e4])
-def test_a_column_with_shear_buckles_as_haringx_says(times: float) -> None:
-    """P (1 + P (1/GA − 1/EA)) = π² EI/4L², the exact bifurcation of the Simo–Reissner column (validation 3.6)."""
-    euler = np.pi**2 / 4.0
-    GA, EA = times * euler, 1e9
-    loads = dx.buckling(rod(GA1=GA, GA2=GA, EA=EA).clamp("a").force("b", (-1, 0, 0)), count=2)
-    P = loads.factors
-    np.testing.assert_allclose(P * (1.0 + P * (1.0 / GA - 1.0 / EA)), euler, rtol=1e-6)
-    tip = loads.mesh.node("b")
-    assert np.abs(loads.shapes[:, tip, 1:3]).max() == pytest.approx(1.0)
-
-
-def test_a_narrow_cantilever_buckles_sideways() -> None:
-    """4.0126 √(EI GJ)/L² under a dead tip force, in both senses (validation 3.4)."""
-    loads = dx.buckling(rod(EI1=1e5, GJ=0.7).clamp("a").force("b", (0, 0, -1)), count=2)
-    np.testing.assert_allclose(np.sort(loads.factors), np.array([-1, 1]) * 4.0125993436 * np.sqrt(0.7), rtol=1e-5)
-
-
-def test_a_right_angle_frame_buckles_sideways() -> None:
-    """Legs 240, section 30 × 0.6 (Argyris 1979): 1.08751795 one way, 0.68042741 the other (validation 3.3)."""
-    E, nu, b, h = 71240.0, 0.31, 0.6, 30.0
-    G, A = E / (2 * (1 + nu)), b * h
-    thin = dx.Section.from_moduli(
-        EA=E * A, GA1=G * A, GA2=G * A, EI1=E * b * h**3 / 12, EI2=E * h * b**3 / 12, GJ=G * 2.16
-    )
-    model = (
-        dx.Model(name="right angle")
-        .rod(dx.line((0, 0, 0), (240, 0, 0), d1=(0, 0, 1)), thin, name="one", ends=("a", "c"), elements=16)
-        .rod(dx.line((240, 0, 0), (240, -240, 0), d1=(0, 0, 1)), thin, name="two", ends=("c", "b"), elements=16)
-        .clamp("a")
-        .force("b", (1, 0, 0))
-    )
-    factors = np.sort(dx.buckling(model, count=2).factors)
-    np.testing.assert_allclose(np.sort(np.abs(factors)), [0.68042741, 1.08751795], rtol=3e-3)
-    assert factors[0] < 0.0 < factors[1]
+def test_the_shape_of_a_buckled_column_is_a_quarter_wave() -> None:
+    """1 − cos(πs/2L), largest displacement 1; the loads themselves are in the validation suite."""
+    loads = dx.buckling(rod().clamp("a").force("b", (-1, 0, 0)), count=2)
+    s = loads.mesh.rod("rod").s
+    for shape in loads.shapes:
+        sideways = np.linalg.norm(shape[:, 1:3], axis=1)
+        assert np.abs(shape[:, :3]).max() == pytest.approx(1.0)
+        np.testing.assert_allclose(sideways / sideways[-1], 1.0 - np.cos(0.5 * np.pi * s), atol=1e-5)
 
 
 def test_what_cannot_be_asked_is_refused() -> None:

@@ -25,6 +25,7 @@ from directrix.verification import (
     spin_up,
     support_turns,
     unloading,
+    vibration_and_buckling,
 )
 from directrix.verification.record import Case, Check
 
@@ -33,7 +34,7 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
     roll_up, elastica, follower, bend45, cantilevers, helix,
-    hinged_frame, elbow, spaghetti, spin_up,
+    hinged_frame, vibration_and_buckling, elbow, spaghetti, spin_up,
 )  # fmt: skip
 CASES: tuple[Case, ...] = tuple(case for module in MODULES for case in module.CASES)
 
