@@ -7,6 +7,7 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -49,8 +50,8 @@ class LoadTerm:
 
 class Pattern(NamedTuple):
     """Block rows of the condensed system. ``row`` (n,) of every node, −1 for interior ones; the blocks of a
-    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` (elements, 4) are the
-    blocks (a, a), (b, a), (a, b), (b, b) of an element's ends."""
+    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` are, element by element,
+    the blocks (a, b) of its nodes in the pattern, a fastest; ``first`` is where each group of elements begins there."""
 
     chain: bool
     row: Ints
@@ -59,6 +60,7 @@ class Pattern(NamedTuple):
     column: Ints
     diagonal: Ints
     dest: Ints
+    first: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -180,14 +182,15 @@ def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) 
     return checked
 
 
-def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
-    """Numbering and blocks for elements that join the nodes (a, b)."""
-    ends = np.unique(np.array(elements, np.int64).ravel())
+def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
+    """Numbering and blocks for the elements of ``groups``."""
+    conn = [group.in_pattern for group in groups]
+    ends = np.unique(np.concatenate([c.ravel() for c in conn]))
     near: dict[int, list[int]] = {int(k): [] for k in ends}
-    for a, b in elements:
-        if a != b:
-            near[a].append(b)
-            near[b].append(a)
+    for elements in conn:
+        for a, b in itertools.permutations(range(elements.shape[1]), 2):
+            for here, there in elements[:, [a, b]].tolist():
+                near[here].append(there)
     order: list[int] = []
     seen: set[int] = set()
     for start in [k for k in near if len(near[k]) == 1]:
@@ -208,7 +211,8 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     rowptr = np.cumsum([0, *(len(r) for r in rows)])
     at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
     dest = [
-        (at[ra][ra], at[rb][ra], at[ra][rb], at[rb][rb]) for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
+        [at[force][increment] for nodes in row[elements].tolist() for increment in nodes for force in nodes]
+        for elements in conn
     ]
     return Pattern(
         chain,
@@ -217,7 +221,8 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
         rowptr.astype(np.int64),
         np.array([c for r in rows for c in r], np.int64),
         np.array([at[i][i] for i in range(len(rows))], np.int64),
-        np.array(dest, np.int64),
+        np.concatenate([np.array(d, np.int64) for d in dest]),
+        tuple(itertools.accumulate((len(d) for d in dest[:-1]), initial=0)),
     )
 
 
@@ -280,7 +285,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         model,
         mesh,
         groups,
-        _pattern(n, [(int(c[0]), int(c[-1])) for g in groups for c in g.conn]),
+        _pattern(n, groups),
         fixed,
         prescribed,
         _loads(model, names, spread),

@@ -14,9 +14,10 @@ from directrix.kernels.nodes import nodal_terms, orthonormal
 __all__ = ["assemble", "books", "commit", "element_tangents", "ground", "internal_forces", "lost"]
 
 # columns of tables.head
-STEP, RESIDUAL, AUDIT, COMMIT, LOST, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY, GROUND = (
-    range(17)
-)
+(
+    STEP, RESIDUAL, AUDIT, COMMIT, LOST, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY, GROUND,
+    DEST, UNKNOWN,
+) = range(19)  # fmt: skip
 
 
 @inner
@@ -32,9 +33,9 @@ def _scatter(out, at, conn, first, nn, internal):
 
 
 @inner
-def _add_blocks(out, at, dest, first, blocks):
-    """The four blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
-    for b in range(4):
+def _add_blocks(out, at, dest, first, count, blocks):
+    """``count`` blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
+    for b in range(count):
         add_block(blocks, 36 * dest[first + b], out, at + 36 * b)
 
 
@@ -116,13 +117,11 @@ def assemble(tables, work, x, g, external, mask, frozen):
             for lane in range(count):
                 e, from_ = first + lane, lane * stride
                 _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
-                if nn == 1:
-                    add_block(flat_blocks, 36 * tables.dest[4 * (head[ELEMENT] + e)], out, from_ + 6)
-                elif nn == 2:
-                    _add_blocks(out, from_ + 12, tables.dest, 4 * (head[ELEMENT] + e), flat_blocks)
+                if head[UNKNOWN] == nn:
+                    _add_blocks(out, from_ + nd, tables.dest, head[DEST] + e * nn * nn, nn * nn, flat_blocks)
                 else:
                     conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
-                    to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
+                    to = tables.dest[head[DEST] + 4 * e : head[DEST] + 4 * e + 4]
                     k, r = work.k, work.r
                     for b in range(nn):
                         for a in range(nn):

@@ -9,7 +9,19 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from directrix.kernels.chain import solve_chain
-from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, ground, internal_forces, lost
+from directrix.kernels.elements import (
+    BACK,
+    CONN,
+    COUNT,
+    NN,
+    UNKNOWN,
+    assemble,
+    books,
+    commit,
+    ground,
+    internal_forces,
+    lost,
+)
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
@@ -75,7 +87,7 @@ def spread(tables, work):
         head = tables.head[group]
         nn = head[NN]
         m = 6 * (nn - 2)
-        for e in range(head[COUNT] if nn > 2 else 0):
+        for e in range(head[COUNT] if nn > head[UNKNOWN] else 0):
             conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
             back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
             for i in range(m):

@@ -98,7 +98,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
     at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
     history = disc.nodes * (2 if scheme.nodal_rows else 1)
-    for group in disc.groups:
+    for group, dest in zip(disc.groups, disc.pattern.first, strict=True):
         ne, nn = group.conn.shape
         rows = group.element.rows(group.layout)
         lanes = in_lanes(group.parameters)
@@ -106,7 +106,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             (
                 *_kernels(group), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
                 at["element"], at["back"], at["at"], rows, history,
-                int(group.grounded),
+                int(group.grounded), dest, group.in_pattern.shape[1],
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
@@ -119,7 +119,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             ("conn", ne * nn),
             ("par", lanes.size),
             ("element", ne),
-            ("back", 6 * max(0, nn - 2) * ne),
+            ("back", 6 * (nn - group.in_pattern.shape[1]) * ne),
             ("at", places[-1].size),
         ):
             at[key] += n
@@ -137,7 +137,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.node_of_row,
         pattern.rowptr,
         pattern.diagonal,
-        pattern.dest.ravel(),
+        pattern.dest,
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
@@ -172,7 +172,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
     outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
-    inside = sum(6 * max(0, g.layout.nn - 2) * len(g.conn) for g in disc.groups)
+    inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
         applied=np.zeros((n, 6)),
