@@ -31,7 +31,8 @@ class Group:
     ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference.
 
     What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
-    holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others.
+    holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes
+    of a ``jointed`` one are rows of multipliers.
     """
 
     element: Element
@@ -44,6 +45,7 @@ class Group:
     lossy: bool = False
     grounded: bool = False
     condensed: bool = True
+    jointed: bool = False
 
     @property
     def in_pattern(self) -> Ints:
