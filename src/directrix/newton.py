@@ -54,7 +54,7 @@ class Outcome(NamedTuple):
 
 class Books(NamedTuple):
     """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links (6,)."""
+    loads as they acted (n, 6), force and moment of the ground through links (6,), what was dissipated by source."""
 
     totals: Array
     flow: Array
@@ -62,6 +62,7 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
+    taken: Array
 
 
 class Newton:
@@ -243,13 +244,14 @@ class Newton:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
         work = self.work
-        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground)
+        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground, work.taken)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = 0.0
         return self._about_zero()
 
 
