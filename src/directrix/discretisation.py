@@ -27,6 +27,7 @@ from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.scheme import Scheme
 from directrix.section import Section
+from directrix.sources import Sources, sources_of
 
 Array = NDArray[np.float64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
@@ -81,6 +82,7 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
+    sources: Sources
 
     @property
     def nodes(self) -> int:
@@ -310,6 +312,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
+        sources_of(model, groups, scheme),
     )
 
 

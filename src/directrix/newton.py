@@ -54,8 +54,8 @@ class Outcome(NamedTuple):
 
 class Books(NamedTuple):
     """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what joints do
-    (joints, ≥ 6)."""
+    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what was dissipated by
+    source, what joints do (joints, ≥ 6)."""
 
     totals: Array
     flow: Array
@@ -63,6 +63,7 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
+    taken: Array
     joints: Array
 
 
@@ -252,8 +253,9 @@ class Newton:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
         work, n = self.work, self.disc.nodes
         return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.joints
-        )
+            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.taken,
+            work.joints,
+        )  # fmt: skip
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -261,6 +263,7 @@ class Newton:
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = 0.0
         return self._about_zero()
 
 

@@ -126,7 +126,8 @@ class Energy:
     ``work`` is all that came in from outside since the start, by loads and by prescribed motion
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
-    for a conserving step.
+    for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
+    every rod's section, numerical dissipation.
     """
 
     kinetic: Array
@@ -134,6 +135,7 @@ class Energy:
     work: Array
     prescribed: Array
     dissipated: Array
+    by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:
