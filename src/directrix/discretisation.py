@@ -226,7 +226,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
-    model.check(**({"dynamic": True} if dynamic else {"static": True}))
+    model.check(static=not dynamic, dynamic=dynamic, meshed=False)
     names: dict[str, int] = {}
     positions: list[Array] = []
     rods: list[RodMesh] = []

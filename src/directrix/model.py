@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,9 @@ from directrix.checks import Vec, choice, flag, nearest, number, shown, text, ve
 from directrix.curves import Curve
 from directrix.errors import ModelError
 from directrix.section import Section
+
+if TYPE_CHECKING:
+    from directrix.diagnosis import Finding
 
 VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
@@ -339,10 +342,11 @@ class Model:
         new = RigidVelocity(*(vector(x, k) for k, x in (("v", v), ("omega", omega), ("about", about))))
         return replace(self, velocities=(*self.velocities, new))
 
-    def check(self, *, static: bool = False, dynamic: bool = False) -> None:
-        """Look at the whole; raises ModelError for the first thing that cannot be right.
+    def check(self, *, static: bool = False, dynamic: bool = False, meshed: bool = True) -> tuple[Finding, ...]:
+        """Look at the whole; raises ModelError for the first thing that cannot be right, and returns what may be wrong.
 
-        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
+        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod. Without
+        ``meshed`` what takes a mesh is left out: whether parts can move although something holds them.
         """
         if not self.rods:
             raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
@@ -358,8 +362,6 @@ class Model:
                             f"node {given.node!r} is held in {dof} and has an initial velocity there",
                             "remove one of them (a prescribed motion moves the node by itself)",
                         )
-        if static:
-            self._supported(held)
         if dynamic:
             for rod in self.rods:
                 if rod.section.A_rho == 0.0:
@@ -369,6 +371,11 @@ class Model:
                         f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
                         "give its section I_rho1= and I_rho2=",
                     )
+        if not (static and meshed):
+            return ()
+        from directrix.diagnosis import examine_model, refuse  # it needs the solvers
+
+        return refuse(examine_model(self))
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
@@ -470,29 +477,6 @@ class Model:
                 )
             held[node] |= set(dofs)
         return held
-
-    def _supported(self, held: Mapping[str, set[str]]) -> None:
-        """Statics: every connected part needs a support."""
-        part = {name: name for rod in self.rods for name in rod.names}
-
-        def root(name: str) -> str:
-            while part[name] != name:
-                name = part[name]
-            return name
-
-        for rod in self.rods:
-            for name in rod.names[1:]:
-                part[root(name)] = root(rod.names[0])
-        for link in self.links:
-            if isinstance(link.b, str):
-                part[root(link.a)] = root(link.b)
-        good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
-        for rod in self.rods:
-            if root(rod.ends[0]) not in good:
-                raise ModelError(
-                    f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
-                    "add .clamp, .pin or .fix, or use dx.simulate",
-                )
 
 
 def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from directrix.audit import StaticBooks
 from directrix.checks import choice, reporting, whole
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
+from directrix.diagnosis import at_start, noted, refuse
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refuse_strategies
@@ -105,6 +106,7 @@ def solve_static(
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
+    found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static")
     run: _LoadSteps | Walk
     if control is None:
@@ -119,6 +121,7 @@ def solve_static(
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
     run.close()
+    status = noted(status, found)
     info = {
         "formulation": repr(formulation or Directors()), "tolerance": tolerance, "cuts": run.cuts, "rotation": rotation,
         "element": repr(scheme.element),

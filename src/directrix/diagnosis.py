@@ -1,0 +1,240 @@
+"""What is wrong with a model before statics begins, by name: parts that can move, constraints that say the same twice."""
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import bmat, csc_matrix, diags
+from scipy.sparse.linalg import splu
+
+from directrix.discretisation import Discretisation, discretise
+from directrix.errors import ModelError
+from directrix.formulations.directors import DirectorStep, Rule
+from directrix.kernels import step as kernel
+from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, redundant
+from directrix.model import Model
+from directrix.motions import ALIKE, Part, free_motions, largest_nodes
+from directrix.newton import Newton, Settings
+from directrix.result import Status
+from directrix.rotations import log
+from directrix.scheme import Scheme
+from directrix.state import initial_state, place_supports
+from directrix.tangents import whole_tangent
+from directrix.touching import join_advice
+
+Array = NDArray[np.float64]
+SLACK = 30.0  # widths of its ramp by which a cable is shorter than its length
+PUSHED = 1e-9  # of what loads could do: below it they do no work on a motion
+STIFFENED = 1e-3  # of the loads over the size of a part: the least stiffness that counts
+NEARBY = 0.5  # of the size of a part: how far an equilibrium under loads may be
+
+__all__ = ["Finding", "at_start", "examine", "examine_model", "noted", "refuse"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a model that a user should know.
+
+    ``code``: "free" (a part can move), "loads_hold" (only what the loads stretch holds it), "slack" (only a slack cable
+    could hold it), "redundant" (constraints that say the same). An ``error`` stops a static run. ``what`` is a sentence
+    with the names, ``fix`` what to do.
+    """
+
+    code: str
+    error: bool
+    what: str
+    fix: str
+
+    def __str__(self) -> str:
+        return f"{self.what}\n  fix: {self.fix}"
+
+
+def examine_model(model: Model) -> tuple[Finding, ...]:
+    """What keeps statics of a model from a definite answer when it starts from the reference."""
+    scheme = Scheme(DirectorStep(Rule(static=True)))
+    return examine(discretise(model, scheme), scheme)
+
+
+def examine(disc: Discretisation, scheme: Scheme) -> tuple[Finding, ...]:
+    """:func:`at_start` in the reference."""
+    newton = Newton(disc, scheme, Settings())
+    return at_start(newton, initial_state(disc, None, scheme), stressed=False)
+
+
+def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]:
+    """What keeps statics from a definite answer when it starts from the state ``x``.
+
+    ``stressed`` says that rods may carry forces there.
+    """
+    disc = newton.disc
+    parts = parts_of(disc, x)
+    equations = equations_of(newton, x, parts, stressed)
+    found: list[Finding] = []
+    loose = clusters(parts, equations)
+    if loose:
+        loads = newton.applied(x, disc.external(1.0, 1.0))
+        found += [_judge(newton, x, loads, cluster, parts) for cluster in loose]
+    if slack := _slack(disc, x):
+        known = {part for cluster in loose for part in cluster.parts}
+        for cluster in clusters(parts, [e for e in equations if e.name not in slack]):
+            if not known & set(cluster.parts):
+                at = {parts.index(part) for part in cluster.parts}
+                idle = sorted(e.name for e in equations if e.name in slack and at & set(e.parts))
+                found.append(_slackened(disc, cluster, parts, idle))
+    found += [_said_twice(names) for names in redundant(newton, x, parts)]
+    return tuple(found)
+
+
+def refuse(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Raise ModelError when one of the findings is an error; the others are given back."""
+    errors = [f for f in findings if f.error]
+    if errors:
+        first, *more = errors
+        also = "".join(f"\n  also: {f.what}" for f in more[:5])
+        also += f"\n  and {len(more) - 5} more" if len(more) > 5 else ""
+        raise ModelError(first.what + also, first.fix)
+    return tuple(findings)
+
+
+def noted(status: Status, findings: Sequence[Finding]) -> Status:
+    """The status with what was found before the run."""
+    if not findings:
+        return status
+    said = " ".join(f"Note: {f.what}." for f in findings)
+    return Status(status.code, f"{status.sentence} {said}", status.advice)
+
+
+def _judge(newton: Newton, x: Array, loads: Array, cluster: Cluster, parts: tuple[Part, ...]) -> Finding:
+    """Free motions are an error unless the forces that the loads cause hold some of them, near where they are."""
+    motions = cluster.nodal(len(newton.disc.fixed))
+    fix = _fix(newton.disc, cluster, parts)
+    can = " can move freely"
+    work = np.einsum("nik,ni->k", motions, loads)
+    idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), np.abs(loads)))
+    stiffness, vectors = np.linalg.eigh(_from_loads(newton, x, loads, motions, cluster))
+    push = np.zeros(len(work)) if idle else vectors.T @ work
+    size = min(part.size for part in cluster.parts)
+    towards = np.abs(push) <= NEARBY * size * np.maximum(stiffness, 0.0)  # an equilibrium is that near
+    if np.all(stiffness >= 0.0) and np.any(stiffness > 0.0) and np.all(towards):
+        can = " is held by nothing but the tension that the loads cause"
+        return Finding("loads_hold", False, _in_words(newton.disc, cluster, can), fix)
+    words = _in_words(newton.disc, cluster, can)
+    if not idle:
+        words += "; the loads push it that way"
+    elif stiffness.min() < 0.0:
+        words += "; the loads topple it"
+    return Finding("free", True, words, fix)
+
+
+def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster: Cluster) -> Array:
+    """Stiffness (k, k) that the loads and the prescribed motion give the free motions, nothing where it does not count.
+
+    The state is moved a little way towards what they do in first order, free motions left out, and the tangent asked
+    again.
+    """
+    disc = newton.disc
+    free = np.flatnonzero(~disc.fixed.ravel())
+    k = motions.shape[2]
+    flat = motions.reshape(-1, k)
+    tangent = whole_tangent(newton, x)
+    given = _prescribed(newton, x)
+    push = loads.ravel() - tangent @ given
+    if not np.any(push[free]):
+        return np.zeros((k, k))
+    kept = csc_matrix(tangent[free][:, free])
+    largest = abs(kept).max(axis=1).toarray().ravel()
+    scale = 1.0 / np.sqrt(np.where(largest > 0.0, largest, 1.0))
+    border = flat[free] / scale[:, None]
+    border = csc_matrix(border / np.abs(border).max())
+    try:
+        system = bmat([[diags(scale) @ kept @ diags(scale), border], [border.T, None]], format="csc")
+        answer = splu(system).solve(np.concatenate([scale * push[free], np.zeros(k)]))[: len(free)]
+    except RuntimeError:  # something else moves as well
+        return np.zeros((k, k))
+    step = given.copy()
+    step[free] += scale * answer
+    step = step.reshape(-1, 6)
+    size = max(part.size for part in cluster.parts)
+    small = 1e-4 / max(np.abs(step[:, 3:]).max(), np.abs(step[:, :3]).max() / size, 1e-300)
+    pushed = x.copy()
+    kernel.move(small * step, pushed, False, False, np.inf)
+    stiffness = flat.T @ (whole_tangent(newton, pushed) @ flat) / small
+    values, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+    pushes = push.reshape(-1, 6) / [1.0, 1.0, 1.0, size, size, size]
+    least = STIFFENED * float(np.linalg.norm(pushes, axis=1).sum() * np.max(np.sum(motions**2, axis=1))) / size
+    return (vectors * np.where(np.abs(values) > least, values, 0.0)) @ vectors.T
+
+
+def _prescribed(newton: Newton, x: Array) -> Array:
+    """(6 n,) displacement and turn that prescribed motion gives nodes by load factor 1."""
+    disc = newton.disc
+    after = x.copy()
+    place_supports(disc, after, 1.0)
+    n = len(disc.fixed)
+    out = np.zeros((n, 6))
+    before, now = (y[:n, 3:12].reshape(n, 3, 3).swapaxes(-1, -2) for y in (x, after))
+    out[:, :3] = after[:n, :3] - x[:n, :3]
+    moved = np.any(before != now, axis=(1, 2))
+    out[moved, 3:] = log(now[moved] @ before[moved].swapaxes(-1, -2))
+    return out.ravel()
+
+
+def _slackened(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...], idle: Sequence[str]) -> Finding:
+    cables = " and ".join(idle)
+    words = f"{_in_words(disc, cluster, ' can move freely')}, until {cables} {'is' if len(idle) == 1 else 'are'} taut"
+    return Finding("slack", False, words, f"shorten {cables}, or hold the part in another way")
+
+
+def _said_twice(names: Sequence[str]) -> Finding:
+    return Finding(
+        "redundant",
+        True,
+        f"{' and '.join(names)} hold the same thing twice, so how they share its force is not determined",
+        "leave one of them out, or let it leave a motion free",
+    )
+
+
+def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:
+    """One sentence on what moves how, and where most."""
+    said: list[str] = []
+    for part, q in zip(cluster.parts, np.split(cluster.free, len(cluster.parts)), strict=True):
+        top = largest_nodes(_far(part, q), part.nodes, disc.mesh)
+        where = f"largest at {'node' if len(top) == 1 else 'nodes'} {', '.join(map(repr, top))}"
+        if not top:
+            where = "its own axis, along which no node moves"
+        said.append(f"{part.name}{'' if said else verb}: {free_motions(part, q, disc.mesh)}, {where}")
+    more = f"; {len(said) - 3} parts more go along" if len(said) > 3 else ""
+    return "; with it ".join(said[:3]) + more
+
+
+def _far(part: Part, q: Array) -> Array:
+    """How far (m,) each node goes."""
+    return np.linalg.norm((part.moved() @ q)[:, :3], axis=(1, 2))
+
+
+def _fix(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...]) -> str:
+    for part in cluster.parts[:5]:
+        if touching := join_advice(disc, part, parts):
+            return touching
+    first, q = cluster.parts[0], cluster.free[:6]
+    if not np.any(_far(first, q) > ALIKE):
+        return "hold two rotations of one of its nodes, that about its axis among them, with .fix, or .clamp a node"
+    return "add .clamp, .pin, .fix or a link that stops this, or use dx.simulate"
+
+
+def _slack(disc: Discretisation, x: Array) -> set[str]:
+    """Labels of the cables that are slack at ``x``."""
+    n = disc.nodes
+    rotation = x[None, :n, 3:12].reshape(1, n, 3, 3).swapaxes(-1, -2)
+    states = disc.link_states(x[None, :n, :3], rotation)
+    places = {name: disc.mesh.r0[k] for name, k in disc.mesh.node_names.items()}
+    out: set[str] = set()
+    for link in disc.model.links:
+        rest, width = link.measures(places)
+        if link.cable and float(states[link.name][0, 0]) < rest - SLACK * width:
+            out.add(f"link {link.name!r}")
+    return out
