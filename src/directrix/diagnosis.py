@@ -133,8 +133,8 @@ def _judge(newton: Newton, x: Array, loads: Array, cluster: Cluster, parts: tupl
 def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster: Cluster) -> Array:
     """Stiffness (k, k) that the loads and the prescribed motion give the free motions, nothing where it does not count.
 
-    The state is moved a little way towards what they do in first order, free motions left out, and the tangent asked
-    again.
+    The state is moved a little way towards what they do in first order, free motions left out, and back; half the
+    difference of the tangents is theirs.
     """
     disc = newton.disc
     free = np.flatnonzero(~disc.fixed.ravel())
@@ -160,10 +160,12 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
     step = step.reshape(-1, 6)
     size = max(part.size for part in cluster.parts)
     small = 1e-4 / max(np.abs(step[:, 3:]).max(), np.abs(step[:, :3]).max() / size, 1e-300)
-    pushed = x.copy()
-    kernel.move(small * step, pushed, False, False, np.inf)
-    stiffness = flat.T @ (whole_tangent(newton, pushed) @ flat) / small
-    values, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+    seen: list[Array] = []
+    for sign in (1.0, -1.0):
+        moved = x.copy()
+        kernel.move(sign * small * step, moved, False, False, np.inf)
+        seen.append(flat.T @ (whole_tangent(newton, moved) @ flat))
+    values, vectors = np.linalg.eigh((seen[0] - seen[1]) / (2.0 * small))
     pushes = push.reshape(-1, 6) / [1.0, 1.0, 1.0, size, size, size]
     least = STIFFENED * float(np.linalg.norm(pushes, axis=1).sum() * np.max(np.sum(motions**2, axis=1))) / size
     return (vectors * np.where(np.abs(values) > least, values, 0.0)) @ vectors.T
