@@ -8,6 +8,7 @@ from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.model import Model
@@ -106,7 +107,7 @@ def simulate(
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
-                failed = outcome.status
+                failed = explained(newton, newton.start, outcome.status, static=False)
                 status = Status(
                     failed.code,
                     f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}",

@@ -13,6 +13,7 @@ from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.diagnosis import at_start, noted, refuse
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refuse_strategies
 from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
@@ -167,7 +168,7 @@ class _LoadSteps:
                 self.x = before
                 reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
                 if reach < SMALLEST / steps:
-                    why = outcome.status
+                    why = explained(newton, before, outcome.status)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue
