@@ -1,10 +1,9 @@
-"""What is wrong with a model before statics begins, by name: parts that can move, constraints that say the same twice."""
+"""What is wrong with a model before statics begins, by name: what can move, what is held twice."""
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from scipy.sparse.linalg import splu
 
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
+from directrix.findings import Finding
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.kernels import step as kernel
 from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, redundant
@@ -32,25 +32,7 @@ PUSHED = 1e-9  # of what loads could do: below it they do no work on a motion
 STIFFENED = 1e-3  # of the loads over the size of a part: the least stiffness that counts
 NEARBY = 0.5  # of the size of a part: how far an equilibrium under loads may be
 
-__all__ = ["Finding", "at_start", "examine", "examine_model", "noted", "refuse"]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something about a model that a user should know.
-
-    ``code``: "free" (a part can move), "loads_hold" (only what the loads stretch holds it), "slack" (only a slack cable
-    could hold it), "redundant" (constraints that say the same). An ``error`` stops a static run. ``what`` is a sentence
-    with the names, ``fix`` what to do.
-    """
-
-    code: str
-    error: bool
-    what: str
-    fix: str
-
-    def __str__(self) -> str:
-        return f"{self.what}\n  fix: {self.fix}"
+__all__ = ["at_start", "examine", "examine_model", "noted", "refuse"]
 
 
 def examine_model(model: Model) -> tuple[Finding, ...]:
@@ -75,9 +57,12 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
     equations = equations_of(newton, x, parts, stressed)
     found: list[Finding] = []
     loose = clusters(parts, equations)
-    if loose:
-        loads = newton.applied(x, disc.external(1.0, 1.0))
-        found += [_judge(newton, x, loads, cluster, parts) for cluster in loose]
+    for cluster in loose:
+        try:
+            found.append(_judge(newton, x, newton.applied(x, disc.external(1.0, 1.0)), cluster, parts))
+        except ModelError:  # a user's function that fails at 1, which the run will say when it is there
+            words = _in_words(disc, cluster, " can move freely")
+            found.append(Finding("free", True, words, _fix(disc, cluster, parts)))
     if slack := _slack(disc, x):
         known = {part for cluster in loose for part in cluster.parts}
         for cluster in clusters(parts, [e for e in equations if e.name not in slack]):

@@ -57,7 +57,7 @@ def explained(newton: Newton, x: Array, status: Status, *, static: bool = True) 
 
 
 def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
-    """The free motion of least stiffness in size, by inverse iteration on the scaled tangent; None when there is none."""
+    """The free motion of least |stiffness|, by inverse iteration on the scaled tangent; None when it finds none."""
     disc = newton.disc
     free = np.flatnonzero(~disc.fixed.ravel())
     kept = csc_matrix(whole_tangent(newton, x)[free][:, free])
@@ -147,5 +147,5 @@ def _in_words(newton: Newton, x: Array, shape: Array) -> str:
 
 def _rounded(part: Part, q: Array, newton: Newton) -> str:
     """A motion that is nearly rigid in words, small remainders left out."""
-    q = np.where(np.abs(q) > RIGID * np.abs(q).max(), q, 0.0)
+    q = q * (np.abs(q) > RIGID * np.abs(q).max())
     return free_motions(part, q[:, None], newton.disc.mesh)

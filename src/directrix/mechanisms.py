@@ -137,9 +137,7 @@ def _stacked(equations: Sequence[Equations], at: dict[int, int]) -> Array:
 
 def _null_space(rows: Array) -> Array:
     """Orthonormal motions (columns) that satisfy ``rows`` (m, n)."""
-    if len(rows) > rows.shape[1]:
-        rows = np.linalg.qr(rows, mode="r")
-    _, s, vt = np.linalg.svd(rows)
+    _, s, vt = np.linalg.svd(_triangle(rows))
     return vt[int(np.sum(s > NOTHING)) :].T
 
 
@@ -176,7 +174,8 @@ def _motions(disc: Discretisation, parts: tuple[Part, ...]) -> tuple[Array, Ints
 
 
 def _triangle(rows: Array) -> Array:
-    return np.linalg.qr(rows, mode="r") if len(rows) > rows.shape[1] else rows
+    """Rows that say the same, no more of them than columns."""
+    return np.asarray(np.linalg.qr(rows, mode="r")) if len(rows) > rows.shape[1] else rows
 
 
 def _tie(conn: Ints, tangent: Array, moved: Array, owner: Ints, size: Array) -> tuple[Array, tuple[int, ...]]:
@@ -271,7 +270,8 @@ def dependent(rows: Sequence[tuple[str, Ints, Array]], fixed: NDArray[np.bool_])
         for k in mine:
             _, unknowns, a = rows[k]
             kept = [c for c, unknown in enumerate(unknowns.tolist()) if not fixed[unknown]]
-            np.add.at(matrix, (slice(first, first + len(a)), [columns[int(unknowns[c])] for c in kept]), a[:, kept])
+            for c in kept:
+                matrix[first : first + len(a), columns[int(unknowns[c])]] += a[:, c]
             first += len(a)
         for vector in _null_space(matrix.T).T if len(columns) else np.eye(len(matrix)):
             names = np.repeat([rows[k][0] for k in mine], [len(rows[k][2]) for k in mine])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,10 +13,8 @@ from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
+from directrix.findings import Finding, remarks
 from directrix.section import Section
-
-if TYPE_CHECKING:
-    from directrix.diagnosis import Finding
 
 VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
@@ -371,11 +369,12 @@ class Model:
                         f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
                         "give its section I_rho1= and I_rho2=",
                     )
+        said = remarks(self, static=static) if static or dynamic else ()
         if not (static and meshed):
-            return ()
+            return said
         from directrix.diagnosis import examine_model, refuse  # it needs the solvers
 
-        return refuse(examine_model(self))
+        return *refuse(examine_model(self)), *said
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""

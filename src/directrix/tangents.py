@@ -12,6 +12,7 @@ from directrix.kernels.tables import Tables
 from directrix.newton import Newton
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 __all__ = ["group_tangents", "whole_tangent"]
 
@@ -26,7 +27,7 @@ def group_tangents(newton: Newton, x: Array, group: int, tables: Tables | None =
 
 def whole_tangent(newton: Newton, x: Array, tables: Tables | None = None) -> csc_matrix:
     """The symmetric part of the tangent (6 n, 6 n) of all elements; loads that turn with their node are not in it."""
-    rows, columns, values = (list[Array](), list[Array](), list[Array]())
+    rows, columns, values = list[Ints](), list[Ints](), list[Array]()
     for k, group in enumerate(newton.disc.groups):
         ne, nn = group.conn.shape
         at = (6 * group.conn[:, :, None] + np.arange(6)).reshape(ne, -1)
