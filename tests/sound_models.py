@@ -137,7 +137,7 @@ def bar(random: Random, size: float, young: float) -> dx.Model:
 
 
 def tied(random: Random, size: float, young: float) -> dx.Model:
-    """A bar on a hinge that a spring, soft or stiff, or a cable holds; and one that only a weak spring keeps from spinning."""
+    """A bar on a hinge that a spring (soft or stiff) or a cable holds, or one that a spring keeps from spinning."""
     stiffness = young * size * 10.0 ** random.uniform(-9, 2)
     model = bar(random, size, young).fix("a", "x", "y", "z", "rx", "rz")
     over = (0.2 * size, 0.0, size)
