@@ -15,7 +15,7 @@ from directrix.errors import ModelError
 from directrix.findings import Finding
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.kernels import step as kernel
-from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, redundant
+from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, redundant, stress_equations
 from directrix.model import Model
 from directrix.motions import ALIKE, Part, free_motions, largest_nodes
 from directrix.newton import Newton, Settings
@@ -54,10 +54,16 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
     """
     disc = newton.disc
     parts = parts_of(disc, x)
-    equations = equations_of(newton, x, parts, stressed)
+    equations = equations_of(newton, x, parts)
     found: list[Finding] = []
     loose = clusters(parts, equations)
+    taut = clusters(parts, [*equations, *stress_equations(newton, x, parts)]) if stressed and loose else loose
     for cluster in loose:
+        left = sum(c.free.shape[1] for c in taut if set(c.parts) & set(cluster.parts))
+        if left < cluster.free.shape[1]:
+            if left:
+                found.append(_held_by_tension(disc, cluster, parts))
+            continue
         try:
             found.append(_judge(newton, x, newton.applied(x, disc.external(1.0, 1.0)), cluster, parts))
         except ModelError:  # a user's function that fails at 1, which the run will say when it is there
@@ -97,7 +103,6 @@ def _judge(newton: Newton, x: Array, loads: Array, cluster: Cluster, parts: tupl
     """Free motions are an error unless the forces that the loads cause hold some of them, near where they are."""
     motions = cluster.nodal(len(newton.disc.fixed))
     fix = _fix(newton.disc, cluster, parts)
-    can = " can move freely"
     work = np.einsum("nik,ni->k", motions, loads)
     idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), np.abs(loads)))
     stiffness, vectors = np.linalg.eigh(_from_loads(newton, x, loads, motions, cluster))
@@ -105,14 +110,18 @@ def _judge(newton: Newton, x: Array, loads: Array, cluster: Cluster, parts: tupl
     size = min(part.size for part in cluster.parts)
     towards = np.abs(push) <= NEARBY * size * np.maximum(stiffness, 0.0)  # an equilibrium is that near
     if np.all(stiffness >= 0.0) and np.any(stiffness > 0.0) and np.all(towards):
-        can = " is held by nothing but the tension that the loads cause"
-        return Finding("loads_hold", False, _in_words(newton.disc, cluster, can), fix)
-    words = _in_words(newton.disc, cluster, can)
+        return _held_by_tension(newton.disc, cluster, parts)
+    words = _in_words(newton.disc, cluster, " can move freely")
     if not idle:
         words += "; the loads push it that way"
     elif stiffness.min() < 0.0:
         words += "; the loads topple it"
     return Finding("free", True, words, fix)
+
+
+def _held_by_tension(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...]) -> Finding:
+    words = _in_words(disc, cluster, " is held by nothing but the tension that the loads cause")
+    return Finding("loads_hold", False, words, _fix(disc, cluster, parts))
 
 
 def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster: Cluster) -> Array:
@@ -151,8 +160,8 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
         kernel.move(sign * small * step, moved, False, False, np.inf)
         seen.append(flat.T @ (whole_tangent(newton, moved) @ flat))
     values, vectors = np.linalg.eigh((seen[0] - seen[1]) / (2.0 * small))
-    pushes = push.reshape(-1, 6) / [1.0, 1.0, 1.0, size, size, size]
-    least = STIFFENED * float(np.linalg.norm(pushes, axis=1).sum() * np.max(np.sum(motions**2, axis=1))) / size
+    forces = (tangent @ step.ravel()).reshape(-1, 6) / [1.0, 1.0, 1.0, size, size, size]  # loads and reactions
+    least = STIFFENED * float(np.linalg.norm(forces, axis=1).sum() * np.max(np.sum(motions**2, axis=1))) / size
     return (vectors * np.where(np.abs(values) > least, values, 0.0)) @ vectors.T
 
 
@@ -190,10 +199,12 @@ def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:
     said: list[str] = []
     for part, q in zip(cluster.parts, np.split(cluster.free, len(cluster.parts)), strict=True):
         top = largest_nodes(_far(part, q), part.nodes, disc.mesh)
-        where = f"largest at {'node' if len(top) == 1 else 'nodes'} {', '.join(map(repr, top))}"
+        where = f", largest at {'node' if len(top) == 1 else 'nodes'} {', '.join(map(repr, top))}"
         if not top:
-            where = "its own axis, along which no node moves"
-        said.append(f"{part.name}{'' if said else verb}: {free_motions(part, q, disc.mesh)}, {where}")
+            where = ", its own axis, along which no node moves"
+        elif np.linalg.matrix_rank(q, ALIKE) == 6:
+            where = ""
+        said.append(f"{part.name}{'' if said else verb}: {free_motions(part, q, disc.mesh)}{where}")
     more = f"; {len(said) - 3} parts more go along" if len(said) > 3 else ""
     return "; with it ".join(said[:3]) + more
 
@@ -210,7 +221,9 @@ def _fix(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...]) -> str
     first, q = cluster.parts[0], cluster.free[:6]
     if not np.any(_far(first, q) > ALIKE):
         return "hold two rotations of one of its nodes, that about its axis among them, with .fix, or .clamp a node"
-    return "add .clamp, .pin, .fix or a link that stops this, or use dx.simulate"
+    top = largest_nodes(_far(first, q), first.nodes, disc.mesh)[0]
+    place = f"node {top!r}" if top in disc.mesh.node_names else f"{top} (name it with nodes=)"
+    return f"hold {place} too (.pin, .fix or .clamp) or tie it with a link; or use dx.simulate"
 
 
 def _slack(disc: Discretisation, x: Array) -> set[str]:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 NOTHING = 1e-9  # of what an equation can be: below it nothing is held
 
-__all__ = ["Cluster", "Equations", "clusters", "dependent", "equations_of", "parts_of", "redundant"]
+__all__ = ["Cluster", "Equations", "clusters", "dependent", "equations_of", "parts_of", "redundant", "stress_equations"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ def _null_space(rows: Array) -> Array:
     return vt[int(np.sum(s > NOTHING)) :].T
 
 
-def equations_of(newton: Newton, x: Array, parts: tuple[Part, ...], stressed: bool) -> list[Equations]:
+def equations_of(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[Equations]:
     """Everything that holds parts, each row about as large as one at most."""
     disc = newton.disc
     moved, owner, size = _motions(disc, parts)
@@ -158,8 +158,6 @@ def equations_of(newton: Newton, x: Array, parts: tuple[Part, ...], stressed: bo
                 rows, at = _tie(conn, tangent, moved, owner, size)
                 if len(rows):
                     out.append(Equations(at, rows, group.names[e]))
-    if stressed:
-        out += _stress(newton, x, parts, moved, owner, size)
     return out
 
 
@@ -209,11 +207,10 @@ def _constraints(conn: Ints, tangent: Array, owner: Ints, size: Array) -> Array:
     return rows[scale > 0.0] / scale[scale > 0.0, None]
 
 
-def _stress(
-    newton: Newton, x: Array, parts: tuple[Part, ...], moved: Array, owner: Ints, size: Array
-) -> list[Equations]:
+def stress_equations(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[Equations]:
     """What the forces in the rods resist: the assembled tangent on the free components of their nodes."""
     disc = newton.disc
+    moved, owner, size = _motions(disc, parts)
     n = len(owner)
     force, scale = np.zeros((n, 6, 6)), np.zeros(n)
     for g, group in enumerate(disc.groups):
