@@ -90,8 +90,8 @@ def yielding(force: float) -> dx.Model:
 
 def struck() -> object:
     """A blow that a step of Newmark's cannot follow."""
-    model = bar().clamp("a").force("b", (0, 1e4, 0))
-    return str(dx.simulate(model, 1.0, 0.5, integrator=dx.Newmark()).status)
+    model = bar().clamp("a").force("b", (0, 1e6, 0))
+    return str(dx.simulate(model, 1.0, 0.1, integrator=dx.Newmark()).status)
 
 
 def arch() -> dx.Model:
@@ -341,9 +341,9 @@ RUNS: list[Case] = [
     (
         "more than it can carry",
         lambda: run(yielding(3.0)),
-        ("rod 'hose' bends", "turn by", "largest at 'b'", "0.151 % of"),
+        ("rod 'hose' bends", "largest at 'b'", "0.151 % of"),
     ),
-    ("a blow too hard for the step", struck, ("asked", "to turn by", "rod 'bar'", "no limit of the loads")),
+    ("a blow too hard for the step", struck, ("asked node 'b' of rod 'bar' to turn by", "No part is near")),
     (
         "a function that breaks",
         lambda: run(bar().clamp("a").force("b", lambda t: (0, 0, NAN if t > 0.3 else 0.0))),

@@ -19,9 +19,10 @@ from directrix.tangents import whole_tangent
 
 Array = NDArray[np.float64]
 CLOSE = 0.1  # of the stiffness without stress: below it a state is near a limit or a buckling load
+FAR = 0.5  # of it: above this the loads have not much to do with it
 RIGID = 0.05  # misfit of a rigid motion that still is one
 LIMIT = (
-    "The loads are at a limit or buckling load of that part: stay below it, stiffen the part, or follow the path with "
+    "the loads are at a limit or buckling load of that part; stay below it, stiffen the part, or follow the path with "
     "control=dx.ArcLength(…) or dx.DisplacementControl(…)."
 )
 REFINE = "Give the rod more elements or a higher order."
@@ -47,13 +48,13 @@ def explained(newton: Newton, x: Array, status: Status, *, static: bool = True) 
     found = nearest_mode(newton, x) if np.all(np.isfinite(x)) else None
     if found is None:
         return Status(status.code, sentence, status.advice)
-    words = f"Nearest to giving way: {_in_words(newton, x, found.shape)}; {_share_words(found.share)}"
+    if found.share > FAR:
+        return Status(status.code, f"{sentence} No part is near to giving way.", status.advice)
+    words = f"Nearest to giving way: {_in_words(newton, x, found.shape)}; {_share_words(found.share)}."
     advice = status.advice
-    if found.share >= CLOSE:
-        words += ", so this is no limit of the loads"
-    elif static:
-        advice = LIMIT if not newton.turn_sentence() else f"{REFINE} If that changes nothing: {LIMIT}"
-    return Status(status.code, f"{sentence} {words}.", advice)
+    if static and found.share < CLOSE:
+        advice = f"{REFINE} If that changes nothing, {LIMIT}" if newton.turn_sentence() else f"Likely {LIMIT}"
+    return Status(status.code, f"{sentence} {words}", advice)
 
 
 def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
@@ -116,7 +117,7 @@ def _turning(newton: Newton) -> str:
 
 def _degrees(angle: float) -> str:
     degrees = float(np.degrees(angle))
-    return f"{degrees:.3g}°" if degrees < 3600.0 else f"{degrees / 360.0:.2g} full turns"
+    return f"{degrees:.3g}°" if degrees < 3600.0 else f"{degrees / 360.0:.0f} full turns"
 
 
 def _share_words(share: float) -> str:
