@@ -135,7 +135,7 @@ def _in_words(newton: Newton, x: Array, shape: Array) -> str:
     far = np.linalg.norm(moved[:, :3], axis=1)
     spun = np.linalg.norm(moved[:, 3:], axis=1)
     rigid = part.moved().reshape(-1, 6)
-    q = np.linalg.lstsq(rigid, moved.ravel(), rcond=None)[0]
+    q: Array = np.asarray(np.linalg.lstsq(rigid, moved.ravel(), rcond=None)[0], float)
     if np.linalg.norm(rigid @ q - moved.ravel()) <= RIGID * np.linalg.norm(moved):
         how = f"moves as it is, {_rounded(part, q, newton)}"
     elif far.max() > 1e-3 * spun.max():
@@ -148,5 +148,5 @@ def _in_words(newton: Newton, x: Array, shape: Array) -> str:
 
 def _rounded(part: Part, q: Array, newton: Newton) -> str:
     """A motion that is nearly rigid in words, small remainders left out."""
-    q = q * (np.abs(q) > RIGID * np.abs(q).max())
-    return free_motions(part, q[:, None], newton.disc.mesh)
+    kept = np.where(np.abs(q) > RIGID * np.abs(q).max(), q, 0.0).astype(np.float64)
+    return free_motions(part, kept[:, None], newton.disc.mesh)
