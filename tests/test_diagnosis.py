@@ -16,7 +16,6 @@ import directrix as dx
 from directrix.cli import app
 from directrix.discretisation import discretise
 from directrix.failures import nearest_mode
-from directrix.mechanisms import dependent
 from directrix.motions import Part, free_motions
 from directrix.newton import Newton, Settings
 from directrix.result import Mesh
@@ -109,20 +108,6 @@ def test_prescribed_motion_that_tightens_holds_too() -> None:
         model.check(static=True)
     pulled = replace(model, supports=model.supports[:1]).prescribe("d", displacement=(0.1, 0, 0), rotation=(0, 0, 0))
     assert [f.code for f in pulled.check(static=True)] == ["loads_hold"]
-
-
-def test_constraints_that_depend_on_each_other_are_named() -> None:
-    """On rows as multipliers have them: two that say the same, one on what a support holds."""
-    held = np.zeros(12, bool)
-    row = np.array([[1.0, 0, 0, -1.0, 0, 0]])
-    unknowns = np.arange(6)
-    rows = [("hinge 'p'", unknowns, row), ("hinge 'q'", unknowns, 2.0 * row), ("hinge 'r'", unknowns + 6, row)]
-    assert dependent(rows, held) == [("hinge 'p'", "hinge 'q'")]
-    assert dependent([rows[0], rows[2]], held) == []
-    held[[6, 9]] = True
-    assert dependent([rows[0], rows[2]], held) == [("hinge 'r'",)]
-    other = np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, 0, 1.0, 0, 0]])
-    assert dependent([rows[0], ("weld 's'", unknowns, other)], np.zeros(12, bool)) == [("hinge 'p'", "weld 's'")]
 
 
 def test_a_screw_is_described_as_one() -> None:

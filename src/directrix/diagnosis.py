@@ -14,8 +14,9 @@ from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
 from directrix.findings import Finding
 from directrix.formulations.directors import DirectorStep, Rule
+from directrix.joint_checks import refuse_joints
 from directrix.kernels import step as kernel
-from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, redundant, stress_equations
+from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, stress_equations
 from directrix.model import Model
 from directrix.motions import ALIKE, Part, free_motions, largest_nodes
 from directrix.newton import Newton, Settings
@@ -43,8 +44,9 @@ def examine_model(model: Model) -> tuple[Finding, ...]:
 
 def examine(disc: Discretisation, scheme: Scheme) -> tuple[Finding, ...]:
     """:func:`at_start` in the reference."""
-    newton = Newton(disc, scheme, Settings())
-    return at_start(newton, initial_state(disc, None, scheme), stressed=False)
+    newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
+    refuse_joints(newton, x)
+    return at_start(newton, x, stressed=False)
 
 
 def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]:
@@ -65,7 +67,7 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
                 found.append(_held_by_tension(disc, cluster, parts))
             continue
         try:
-            found.append(_judge(newton, x, newton.applied(x, disc.external(1.0, 1.0)), cluster, parts))
+            found.append(_judge(newton, x, cluster, parts))
         except ModelError:  # a user's function that fails at 1, which the run will say when it is there
             words = _in_words(disc, cluster, " can move freely")
             found.append(Finding("free", True, words, _fix(disc, cluster, parts)))
@@ -76,7 +78,6 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
                 at = {parts.index(part) for part in cluster.parts}
                 idle = sorted(e.name for e in equations if e.name in slack and at & set(e.parts))
                 found.append(_slackened(disc, cluster, parts, idle))
-    found += [_said_twice(names) for names in redundant(newton, x, parts)]
     return tuple(found)
 
 
@@ -99,12 +100,13 @@ def noted(status: Status, findings: Sequence[Finding]) -> Status:
     return Status(status.code, f"{status.sentence} {said}", status.advice)
 
 
-def _judge(newton: Newton, x: Array, loads: Array, cluster: Cluster, parts: tuple[Part, ...]) -> Finding:
+def _judge(newton: Newton, x: Array, cluster: Cluster, parts: tuple[Part, ...]) -> Finding:
     """Free motions are an error unless the forces that the loads cause hold some of them, near where they are."""
-    motions = cluster.nodal(len(newton.disc.fixed))
+    motions = cluster.nodal(newton.disc.rows)
     fix = _fix(newton.disc, cluster, parts)
+    loads, size_of_loads = _out_of_balance(newton, x)
     work = np.einsum("nik,ni->k", motions, loads)
-    idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), np.abs(loads)))
+    idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), size_of_loads))
     stiffness, vectors = np.linalg.eigh(_from_loads(newton, x, loads, motions, cluster))
     push = np.zeros(len(work)) if idle else vectors.T @ work
     size = min(part.size for part in cluster.parts)
@@ -124,6 +126,17 @@ def _held_by_tension(disc: Discretisation, cluster: Cluster, parts: tuple[Part, 
     return Finding("loads_hold", False, words, _fix(disc, cluster, parts))
 
 
+def _out_of_balance(newton: Newton, x: Array) -> tuple[Array, Array]:
+    """What pushes (rows, 6) at the state ``x`` once loads, drives and prescribed coordinates act in full, and the size
+    of what it is the sum of."""
+    disc, work = newton.disc, newton.work
+    driven = x.copy()
+    place_supports(disc, driven, 1.0)
+    driven[: disc.nodes] = x[: disc.nodes]
+    applied = newton.applied(driven, disc.external(1.0, 1.0))
+    return applied - work.internal, np.abs(applied) + np.abs(work.internal)
+
+
 def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster: Cluster) -> Array:
     """Stiffness (k, k) that the loads and the prescribed motion give the free motions, nothing where it does not count.
 
@@ -131,7 +144,7 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
     difference of the tangents is theirs.
     """
     disc = newton.disc
-    free = np.flatnonzero(~disc.fixed.ravel())
+    free = np.flatnonzero(~disc.held.ravel())
     k = motions.shape[2]
     flat = motions.reshape(-1, k)
     tangent = whole_tangent(newton, x)
@@ -153,28 +166,30 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
     step[free] += scale * answer
     step = step.reshape(-1, 6)
     size = max(part.size for part in cluster.parts)
-    small = 1e-4 / max(np.abs(step[:, 3:]).max(), np.abs(step[:, :3]).max() / size, 1e-300)
+    nodal = np.abs(step[: disc.nodes])
+    small = 1e-4 / max(nodal[:, 3:].max(), nodal[:, :3].max() / size, 1e-300)
     seen: list[Array] = []
     for sign in (1.0, -1.0):
         moved = x.copy()
-        kernel.move(sign * small * step, moved, False, False, np.inf)
+        kernel.move(sign * small * step, disc.nodes, moved, False, False, np.inf)
         seen.append(flat.T @ (whole_tangent(newton, moved) @ flat))
     values, vectors = np.linalg.eigh((seen[0] - seen[1]) / (2.0 * small))
     forces = (tangent @ step.ravel()).reshape(-1, 6) / [1.0, 1.0, 1.0, size, size, size]  # loads and reactions
+    forces[disc.nodes :] = 0.0
     least = STIFFENED * float(np.linalg.norm(forces, axis=1).sum() * np.max(np.sum(motions**2, axis=1))) / size
     return (vectors * np.where(np.abs(values) > least, values, 0.0)) @ vectors.T
 
 
 def _prescribed(newton: Newton, x: Array) -> Array:
-    """(6 n,) displacement and turn that prescribed motion gives nodes by load factor 1."""
+    """(6 rows,) displacement and turn that prescribed motion gives nodes by load factor 1."""
     disc = newton.disc
     after = x.copy()
     place_supports(disc, after, 1.0)
-    n = len(disc.fixed)
-    out = np.zeros((n, 6))
+    n = disc.nodes
+    out = np.zeros((disc.rows, 6))
     before, now = (y[:n, 3:12].reshape(n, 3, 3).swapaxes(-1, -2) for y in (x, after))
-    out[:, :3] = after[:n, :3] - x[:n, :3]
-    moved = np.any(before != now, axis=(1, 2))
+    out[:n, :3] = after[:n, :3] - x[:n, :3]
+    moved = np.flatnonzero(np.any(before != now, axis=(1, 2)))
     out[moved, 3:] = log(now[moved] @ before[moved].swapaxes(-1, -2))
     return out.ravel()
 
@@ -183,15 +198,6 @@ def _slackened(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...], 
     cables = " and ".join(idle)
     words = f"{_in_words(disc, cluster, ' can move freely')}, until {cables} {'is' if len(idle) == 1 else 'are'} taut"
     return Finding("slack", False, words, f"shorten {cables}, or hold the part in another way")
-
-
-def _said_twice(names: Sequence[str]) -> Finding:
-    return Finding(
-        "redundant",
-        True,
-        f"{' and '.join(names)} hold the same thing twice, so how they share its force is not determined",
-        "leave one of them out, or let it leave a motion free",
-    )
 
 
 def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:

@@ -60,7 +60,7 @@ def explained(newton: Newton, x: Array, status: Status, *, static: bool = True) 
 def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
     """The free motion of least |stiffness|, by inverse iteration on the scaled tangent; None when it finds none."""
     disc = newton.disc
-    free = np.flatnonzero(~disc.fixed.ravel())
+    free = np.flatnonzero(~disc.held.ravel())
     kept = csc_matrix(whole_tangent(newton, x)[free][:, free])
     if not len(free) or not np.all(np.isfinite(kept.data)):
         return None
@@ -79,11 +79,11 @@ def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
     q = np.linalg.qr(block)[0]
     values, vectors = np.linalg.eigh(q.T @ (scaled @ q))
     vector = scale * (q @ vectors[:, np.argmin(np.abs(values))])
-    shape = np.zeros(disc.fixed.size)
+    shape = np.zeros(disc.held.size)
     shape[free] = vector
     relaxed = whole_tangent(newton, x, newton.tables._replace(par=_without_stress(newton, x)))
     share = float(shape @ (whole_tangent(newton, x) @ shape)) / max(float(shape @ (relaxed @ shape)), 1e-300)
-    out = shape.reshape(-1, 6)
+    out = shape.reshape(-1, 6)[: disc.nodes]
     far, turned = np.abs(out[:, :3]).max(), np.abs(out[:, 3:]).max()
     return Nearest(out / (far if far > 1e-6 * turned * disc.length else turned), share)
 
@@ -105,7 +105,7 @@ def _without_stress(newton: Newton, x: Array) -> Array:
 
 def _turning(newton: Newton) -> str:
     """The largest turn of the last iteration, where it says something."""
-    step = newton.work.step
+    step = newton.work.step[: newton.disc.nodes]
     turns = np.linalg.norm(step[:, 3:], axis=1)
     node = int(np.argmax(np.where(np.isfinite(turns), turns, np.inf)))
     if not np.isfinite(turns[node]):

@@ -28,8 +28,8 @@ class Finding:
     """Something about a model that a user should know.
 
     ``code``: "free" (a part can move), "loads_hold" (only the tension that loads cause holds it), "slack" (only a cable
-    that is slack could hold it), "redundant" (constraints that say the same), and those of :func:`remarks`. An
-    ``error`` stops a static run. ``what`` is a sentence with the names, ``fix`` what to do.
+    that is slack could hold it), and those of :func:`remarks`. An ``error`` stops a static run. ``what`` is a sentence
+    with the names, ``fix`` what to do.
     """
 
     code: str

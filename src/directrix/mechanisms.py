@@ -2,8 +2,8 @@
 
 Rods cannot deform without force, so what moves freely is made of rods that move as rigid bodies: six unknowns for each
 part of rigidly joined rods, whatever the mesh, the stiffness or the units. Supports and the tangents of what is
-attached (links, joints) at a state are the equations; a stressed state adds the tangent of the rods. The unknowns of a
-node that no rod has are multipliers: their rows are constraints.
+attached (links, joints) at a state are the equations; a stressed state adds the tangent of the rods. Rows of unknowns
+behind the nodes are multipliers: their equations are constraints.
 """
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 NOTHING = 1e-9  # of what an equation can be: below it nothing is held
 
-__all__ = ["Cluster", "Equations", "clusters", "dependent", "equations_of", "parts_of", "redundant", "stress_equations"]
+__all__ = ["Cluster", "Equations", "clusters", "equations_of", "parts_of", "stress_equations"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +38,10 @@ class Cluster:
     free: Array
     ties: tuple[str, ...]
 
-    def nodal(self, n: int) -> Array:
-        """(n, 6, k): displacement and turn of every node of the model in the free motions."""
-        out = np.zeros((n, 6, self.free.shape[1]))
+    def nodal(self, rows: int) -> Array:
+        """(rows, 6, k): displacement and turn of every node of the model in the free motions, and behind them nothing
+        of the multipliers."""
+        out = np.zeros((rows, 6, self.free.shape[1]))
         for part, q in zip(self.parts, np.split(self.free, len(self.parts)), strict=True):
             out[part.nodes] = part.moved() @ q
             out[part.nodes, 3:] /= part.size
@@ -58,9 +59,10 @@ class Equations:
 
 def parts_of(disc: Discretisation, x: Array) -> tuple[Part, ...]:
     """The rigidly joined parts at the state ``x``."""
-    pairs = [g.conn[:, [a, a + 1]] for g in disc.groups if not g.names for a in range(g.layout.nn - 1)]
+    pairs = [np.zeros((0, 2), np.int64)]
+    pairs += [g.conn[:, [a, a + 1]] for g in disc.groups if not g.names for a in range(g.layout.nn - 1)]
     i, j = np.concatenate(pairs).T
-    n = len(disc.fixed)
+    n = disc.nodes
     _, label = connected_components(coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n)), directed=False)
     members: dict[int, list[str]] = {}
     nodes: dict[int, list[Ints]] = {}
@@ -74,6 +76,10 @@ def parts_of(disc: Discretisation, x: Array) -> tuple[Part, ...]:
         r = x[own, :3].copy()
         low, high = r.min(axis=0), r.max(axis=0)
         out.append(Part(tuple(names), own, r, 0.5 * (low + high), float(np.linalg.norm(high - low))))
+    for node in disc.model.nodes:
+        own = np.array([disc.mesh.node_names[node.name]])
+        if int(label[own[0]]) not in members:
+            out.append(Part((node.name,), own, x[own, :3].copy(), x[own[0], :3].copy(), disc.length, alone=True))
     return tuple(out)
 
 
@@ -146,25 +152,26 @@ def equations_of(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[Equa
     disc = newton.disc
     moved, owner, size = _motions(disc, parts)
     out: list[Equations] = []
-    held = np.array(np.nonzero(disc.fixed[: len(owner)])).T
+    held = np.array(np.nonzero(disc.fixed)).T
     for k in range(len(parts)):
         mine = held[owner[held[:, 0]] == k]
         if len(mine):
             out.append(Equations((k,), _triangle(moved[mine[:, 0], mine[:, 1]])))
     for g, group in enumerate(disc.groups):
         if group.names:
-            tangents = group_tangents(newton, x, g)
+            least = _least(disc) if group.jointed else 0.0  # multipliers that are round-off hold nothing
+            tangents = group_tangents(newton, x, g, symmetric=False)
             for e, (conn, tangent) in enumerate(zip(group.conn, tangents, strict=True)):
-                rows, at = _tie(conn, tangent, moved, owner, size)
+                rows, at = _tie(conn, tangent, moved, owner, size, least)
                 if len(rows):
                     out.append(Equations(at, rows, group.names[e]))
     return out
 
 
 def _motions(disc: Discretisation, parts: tuple[Part, ...]) -> tuple[Array, Ints, Array]:
-    """For every node: (n, 6, 6) displacement and scaled turn in the motions of its part, the part (−1: a multiplier),
+    """For every row: (rows, 6, 6) displacement and scaled turn in the motions of its part, the part (−1: multipliers),
     and the size that its turns are scaled with."""
-    n = len(disc.fixed)
+    n = disc.rows
     moved, owner, size = np.zeros((n, 6, 6)), np.full(n, -1), np.ones(n)
     for k, part in enumerate(parts):
         moved[part.nodes], owner[part.nodes], size[part.nodes] = part.moved(), k, part.size
@@ -176,18 +183,26 @@ def _triangle(rows: Array) -> Array:
     return np.asarray(np.linalg.qr(rows, mode="r")) if len(rows) > rows.shape[1] else rows
 
 
-def _tie(conn: Ints, tangent: Array, moved: Array, owner: Ints, size: Array) -> tuple[Array, tuple[int, ...]]:
+def _least(disc: Discretisation) -> float:
+    axial = max((float(section.stiffness[2, 2]) for section in disc.sections), default=0.0)
+    return 1e-13 * axial / disc.length
+
+
+def _tie(
+    conn: Ints, tangent: Array, moved: Array, owner: Ints, size: Array, least: float
+) -> tuple[Array, tuple[int, ...]]:
     """Rows (m, 6 parts) of one attached element, and the parts: it does not resist motions that they vanish for.
 
-    Forces and moments are measured by the largest stiffness of the element, constraints by their largest entry.
+    Forces and moments are measured by the largest stiffness of the element, if that is more than ``least``,
+    constraints by their largest entry.
     """
     nn = len(conn)
     turns = np.concatenate([np.ones((nn, 3)), np.repeat(1.0 / size[conn][:, None], 3, axis=1)], axis=1).ravel()
     real = np.repeat(owner[conn] >= 0, 6)
-    forces = (tangent * turns[:, None] * turns)[real][:, real]
+    forces = (0.5 * (tangent + tangent.T) * turns[:, None] * turns)[real][:, real]
     largest = np.abs(forces).max(initial=0.0)
     stacked = _constraints(conn, tangent, owner, size)
-    if largest > 0.0:
+    if largest > least:
         stacked = np.concatenate([stacked, forces / largest])
     at = tuple(dict.fromkeys(int(p) for p in owner[conn] if p >= 0))
     out = np.zeros((len(stacked), 6 * len(at)))
@@ -230,47 +245,3 @@ def stress_equations(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[
         rows = force[part.nodes] / scale[part.nodes, None, None]
         out.append(Equations((k,), _triangle(rows[~disc.fixed[part.nodes]])))
     return out
-
-
-def redundant(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[tuple[str, ...]]:
-    """Names of constraints that say the same at ``x``, set by set; supports take part by what they leave free."""
-    disc = newton.disc
-    _, owner, size = _motions(disc, parts)
-    rows: list[tuple[str, Ints, Array]] = []
-    for g, group in enumerate(disc.groups):
-        if np.any(owner[group.conn] < 0):
-            for name, conn, tangent in zip(group.names, group.conn, group_tangents(newton, x, g), strict=True):
-                places = conn[owner[conn] >= 0]
-                columns = (6 * places[:, None] + np.arange(6)).ravel()
-                rows.append((name, columns, _constraints(conn, tangent, owner, size)))
-    return dependent(rows, disc.fixed.ravel())
-
-
-def dependent(rows: Sequence[tuple[str, Ints, Array]], fixed: NDArray[np.bool_]) -> list[tuple[str, ...]]:
-    """Sets of names whose rows depend on each other.
-
-    ``rows`` are (name, unknowns (c,), coefficients (m, c)), ``fixed`` marks unknowns that supports hold.
-    """
-    owner = np.array([k for k, (_, _, a) in enumerate(rows) for _ in range(len(a))], np.int64)
-    if len(owner) == 0:
-        return []
-    entries = [(k, c) for k, (_, columns, _) in enumerate(rows) for c in columns.tolist() if not fixed[c]]
-    i, j = np.array(entries, np.int64).reshape(-1, 2).T
-    shape = (len(rows) + len(fixed), len(rows) + len(fixed))
-    _, label = connected_components(coo_matrix((np.ones(len(i)), (i, len(rows) + j)), shape=shape), directed=False)
-    out: list[tuple[str, ...]] = []
-    for at in dict.fromkeys(label[: len(rows)].tolist()):
-        mine = [k for k in range(len(rows)) if label[k] == at]
-        columns = {c: k for k, c in enumerate(dict.fromkeys(j[np.isin(i, mine)].tolist()))}
-        matrix = np.zeros((sum(len(rows[k][2]) for k in mine), len(columns)))
-        first = 0
-        for k in mine:
-            _, unknowns, a = rows[k]
-            kept = [c for c, unknown in enumerate(unknowns.tolist()) if not fixed[unknown]]
-            for c in kept:
-                matrix[first : first + len(a), columns[int(unknowns[c])]] += a[:, c]
-            first += len(a)
-        for vector in _null_space(matrix.T).T if len(columns) else np.eye(len(matrix)):
-            names = np.repeat([rows[k][0] for k in mine], [len(rows[k][2]) for k in mine])
-            out.append(tuple(dict.fromkeys(names[np.abs(vector) > 1e-3 * np.abs(vector).max()].tolist())))
-    return list(dict.fromkeys(out))

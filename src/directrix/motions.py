@@ -25,18 +25,22 @@ __all__ = ["ALIKE", "Part", "axis_words", "free_motions", "largest_nodes", "plac
 @dataclass(frozen=True, eq=False)
 class Part:
     """Rods that are rigidly joined: ``members`` their names, ``nodes`` (m,) their nodes, ``r`` (m, 3) where these are
-    now, ``centre`` (3,) the middle of the box around them and ``size`` its diagonal."""
+    now, ``centre`` (3,) the middle of the box around them and ``size`` its diagonal. A node on no rod is a part that is
+    ``alone``, of the size of the model."""
 
     members: tuple[str, ...]
     nodes: Ints
     r: Array
     centre: Array
     size: float
+    alone: bool = False
 
     @property
     def name(self) -> str:
         """ "rod 'arm'", or "part 'mast' (12 members)" after the first of several."""
         first, count = self.members[0], len(self.members)
+        if self.alone:
+            return f"node {first!r}"
         return f"rod {first!r}" if count == 1 else f"part {first!r} ({count} members)"
 
     def moved(self) -> Array:

@@ -17,16 +17,18 @@ Ints = NDArray[np.int64]
 __all__ = ["group_tangents", "whole_tangent"]
 
 
-def group_tangents(newton: Newton, x: Array, group: int, tables: Tables | None = None) -> Array:
-    """Tangents (ne, 6 nn, 6 nn) of a group of elements, the symmetric part: at an equilibrium the Hessian."""
+def group_tangents(
+    newton: Newton, x: Array, group: int, tables: Tables | None = None, *, symmetric: bool = True
+) -> Array:
+    """Tangents (ne, 6 nn, 6 nn) of a group of elements; the symmetric part is the Hessian at an equilibrium."""
     ne, nn = newton.disc.groups[group].conn.shape
     out = np.empty((ne, 6 * nn, 6 * nn))
     element_tangents(newton.tables if tables is None else tables, newton.work, x, newton.globals, group, out)
-    return 0.5 * (out + out.transpose(0, 2, 1))
+    return 0.5 * (out + out.transpose(0, 2, 1)) if symmetric else out
 
 
 def whole_tangent(newton: Newton, x: Array, tables: Tables | None = None) -> csc_matrix:
-    """The symmetric part of the tangent (6 n, 6 n) of all elements; loads that turn with their node are not in it."""
+    """The symmetric part of the tangent (6 rows, 6 rows) of all elements, without loads that turn with their node."""
     rows, columns, values = list[Ints](), list[Ints](), list[Array]()
     for k, group in enumerate(newton.disc.groups):
         ne, nn = group.conn.shape
@@ -34,6 +36,6 @@ def whole_tangent(newton: Newton, x: Array, tables: Tables | None = None) -> csc
         rows.append(np.repeat(at, 6 * nn, axis=1).ravel())
         columns.append(np.tile(at, (1, 6 * nn)).ravel())
         values.append(group_tangents(newton, x, k, tables).ravel())
-    size = newton.disc.fixed.size
+    size = newton.disc.held.size
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
     return csc_matrix(coo_matrix(entries, shape=(size, size)))

@@ -217,11 +217,12 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         "rod_names": [rod.name for rod in mesh.rods],
         "node_names": {name: int(k) for name, k in mesh.node_names.items()},
         "mesh_notes": mesh.notes,
+        "joint_names": mesh.joints,
         "turning_points": [asdict(point) for point in result.turning_points],
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in (*HISTORIES, "history"):
+    for name in (*HISTORIES, "history", "joints"):
         _put(root, name, getattr(result, name))
     group = root.create_group("links")
     for k, (name, values) in enumerate(result.links.items()):
@@ -257,16 +258,18 @@ def _read_result(root: Any) -> Result:
         strict=True,
     )  # fmt: skip
     names, notes = text("node_names"), tuple(text("mesh_notes"))
+    joints = tuple(text("joint_names")) if "joint_names" in root else ()
     audit = text("audit")
     audit["entries"] = tuple(Entry(**entry) for entry in audit["entries"])
     audit["notes"] = tuple(audit["notes"])
     return Result(
         kind=text("kind"),
         name=text("name"),
-        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes),
+        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_links(root["links"]) if "links" in root else {},
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
+        joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),
