@@ -56,6 +56,20 @@ def two() -> dx.Model:
     return line(("one", O, X, "a", "b"), ("two", (1.5, 0, 0), (2.5, 0, 0), "c", "d")).clamp("a")
 
 
+def joined() -> dx.Model:
+    """Two rods end to end, the first clamped, for a joint between b and c."""
+    return line(("one", O, X, "a", "b"), ("two", X, (2, 0, 0), "c", "d")).clamp("a")
+
+
+def linkage() -> dx.Model:
+    """Four bars, the ground one of them, with a freedom left."""
+    bars = line(
+        ("crank", O, Z, "a", "b"), ("coupler", Z, (2, 0, 1), "c", "d"), ("rocker", (2, 0, 1), (2, 0, 0), "e", "f")
+    )
+    bars = bars.hinge("a", axis=Y).hinge("b", "c", axis=Y)
+    return bars.spherical("d", "e").cylindrical("f", axis=Y)
+
+
 def static(model: dx.Model) -> object:
     """All that a check says."""
     return "\n".join(map(str, model.check(static=True)))
@@ -351,4 +365,62 @@ RUNS: list[Case] = [
     ),
 ]
 
-FAULTY = [*MOTIONS, *VALUES, *RUNS]
+JOINTS: list[Case] = [
+    (
+        "a hinge alone",
+        lambda: static(joined().hinge("b", "c", axis=Y)),
+        ("rod 'two'", "rotation about y through node 'c' (1, 0, 0)", "largest at node 'd'"),
+    ),
+    ("a ball alone", lambda: static(joined().spherical("b", "c")), ("rod 'two'", "every axis through node 'c'")),
+    (
+        "a cardan alone",
+        lambda: static(joined().universal("b", "c", axes=(Y, Z))),
+        ("rod 'two'", "every axis normal to x through node 'c'"),
+    ),
+    ("a slider alone", lambda: static(joined().slider("b", "c", axis=X)), ("rod 'two'", "translation along x")),
+    (
+        "a sleeve alone",
+        lambda: static(joined().cylindrical("b", "c", axis=X)),
+        ("rod 'two'", "translation along x and rotation about x"),
+    ),
+    (
+        "a table alone",
+        lambda: static(joined().planar("b", "c", normal=Z)),
+        ("rod 'two'", "plane normal to z and rotation about z"),
+    ),
+    ("a drive that nothing withstands", lambda: static(joined().hinge("b", "c", axis=Y, drive=1.0)), ("push it",)),
+    (
+        "a linkage",
+        lambda: static(linkage()),
+        ("rod 'crank' can move freely: rotation about y through node 'a'", "rod 'coupler': translation along x", "'e'"),
+    ),
+    (
+        "a stop that is not reached",
+        lambda: static(joined().hinge("b", "c", axis=Y, name="knee", stops=(-0.1, 0.1), stop_stiffness=9.0)),
+        ("rod 'two'", "rotation about y", "until joint 'knee' is at a stop"),
+    ),
+    (
+        "two that hold the same",
+        lambda: static(joined().hinge("b", "c", axis=Y, name="p").spherical("b", "c", name="q")),
+        ("joints 'p', 'q'",),
+    ),
+    ("a joint on what is held", lambda: static(joined().rigid("b", "c").hinge("a", axis=Y, name="p")), ("joint 'p'",)),
+    ("a node on its own", lambda: static(joined().rigid("b", "c").node("n", Z)), ("node 'n' can move", "support")),
+    (
+        "a node on one spring",
+        lambda: static(joined().rigid("b", "c").node("n", (3, 0, 0)).spring("d", "n", 1.0)),
+        ("node 'n'", "plane normal to x and rotation about every axis"),
+    ),
+    (
+        "a point that turns without inertia",
+        lambda: dx.simulate(bar().node("n", (2, 0, 0)).point_mass("n", 1.0).spring("b", "n", 1.0), 1.0, 0.1),
+        ("node 'n' moves with neither mass nor stiffness: rotation about every axis",),
+    ),
+    (
+        "a node without mass",
+        lambda: dx.simulate(bar().node("n", (2, 0, 0)).spherical("b", "n"), 1.0, 0.1),
+        ("node 'n' moves with neither mass nor stiffness",),
+    ),
+]  # fmt: skip
+
+FAULTY = [*MOTIONS, *VALUES, *RUNS, *JOINTS]

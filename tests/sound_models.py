@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -17,7 +18,7 @@ def sound(seed: int) -> dx.Model:
     """A model that nothing is wrong with: E from 1e2 to 1e12, sizes from 1e-6 to 1e4, slenderness 3 to 1e4."""
     random = np.random.default_rng(seed)
     size, young = 10.0 ** random.uniform(-6, 4), 10.0 ** random.uniform(2, 12)
-    kinds = (cantilever, arch, frame, tree, lattice, helix, tied, hung, suspended, stayed)
+    kinds = (cantilever, arch, frame, tree, lattice, helix, tied, hung, suspended, stayed, jointed)
     model = kinds[seed % len(kinds)](random, size, young)
     return loaded(random, model, size, young)
 
@@ -181,6 +182,37 @@ def stayed(random: Random, size: float, young: float) -> dx.Model:
     for angle in np.array([0.0, 2.1, 4.2]) + random.uniform(0, 6):
         model = model.cable("top", (size * np.cos(angle), size * np.sin(angle), 0), k, length=1.3 * size)
     return model.spring("top", (size, size, size), k, offset_a=(0.05 * size, -0.05 * size, 0))
+
+
+def jointed(random: Random, size: float, young: float) -> dx.Model:
+    """An arch of three hinges, a linkage that a spring or a prescribed angle holds, or a mast on two joints."""
+    parts, y = section(random, size, young), (0.0, 1.0, 0.0)
+    k = young * size**3 * 10.0 ** random.uniform(-9, 0)
+
+    def rods(*places: tuple[float, float]) -> dx.Model:
+        model = dx.Model()
+        points = [size * np.array([x, 0.0, z]) for x, z in places]
+        for i, (a, b) in enumerate(pairwise(points)):
+            model = model.rod(dx.line(a, b), parts, name=f"bar{i}", ends=(f"s{i}", f"e{i}"), **mesh(random))
+        return model
+
+    match random.integers(4):
+        case 0:
+            model = rods((0, 0), (1, random.uniform(0.2, 1.0)), (2, 0)).hinge("s0", axis=y).hinge("e0", "s1", axis=y)
+            return model.spherical("e1")
+        case 1:
+            model = rods((0, 0), (0, 1), (2, random.uniform(1, 2)), (2, 0)).hinge("e0", "s1", axis=y)
+            model = model.spherical("e1", "s2").cylindrical("e2", axis=y)
+            return model.hinge("s0", axis=y, stiffness=k)
+        case 2:
+            model = rods((0, 0), (0, 1), (2, random.uniform(1, 2)), (2, 0)).hinge("e0", "s1", axis=y)
+            model = model.spherical("e1", "s2").cylindrical("e2", axis=y)
+            return model.hinge("s0", axis=y, prescribed=0.2)
+        case _:
+            model = (
+                rods((0, 0), (0, 1)).node("body", (0, 0, 1.2 * size)).rigid("e0", "body").spherical("s0", stiffness=k)
+            )
+            return model.rigid_body("body", 1.0, np.eye(3) * size**2)
 
 
 def loaded(random: Random, model: dx.Model, size: float, young: float) -> dx.Model:

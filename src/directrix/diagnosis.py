@@ -16,7 +16,7 @@ from directrix.findings import Finding
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.joint_checks import refuse_joints
 from directrix.kernels import step as kernel
-from directrix.mechanisms import Cluster, clusters, equations_of, parts_of, stress_equations
+from directrix.mechanisms import Cluster, Equations, clusters, equations_of, parts_of, stress_equations
 from directrix.model import Model
 from directrix.motions import ALIKE, Part, free_motions, largest_nodes
 from directrix.newton import Newton, Settings
@@ -31,9 +31,10 @@ Array = NDArray[np.float64]
 SLACK = 30.0  # widths of its ramp by which a cable is shorter than its length
 PUSHED = 1e-9  # of what loads could do: below it they do no work on a motion
 STIFFENED = 1e-3  # of the loads over the size of a part: the least stiffness that counts
+ROUND_OFF = 1e-14  # of the stiffness times the size of the model: what is no load
 NEARBY = 0.5  # of the size of a part: how far an equilibrium under loads may be
 
-__all__ = ["at_start", "examine", "examine_model", "noted", "refuse"]
+__all__ = ["at_start", "examine", "examine_model", "noted", "refuse", "without_inertia"]
 
 
 def examine_model(model: Model) -> tuple[Finding, ...]:
@@ -66,6 +67,10 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
             if left:
                 found.append(_held_by_tension(disc, cluster, parts))
             continue
+        waiting = [joint for joint in _stopped(disc) if joint in cluster.ties]
+        if 0 < left <= len(waiting):
+            found.append(_until(disc, cluster, waiting, "at a stop", "move the stops"))
+            continue
         try:
             found.append(_judge(newton, x, cluster, parts))
         except ModelError:  # a user's function that fails at 1, which the run will say when it is there
@@ -77,8 +82,35 @@ def at_start(newton: Newton, x: Array, *, stressed: bool) -> tuple[Finding, ...]
             if not known & set(cluster.parts):
                 at = {parts.index(part) for part in cluster.parts}
                 idle = sorted(e.name for e in equations if e.name in slack and at & set(e.parts))
-                found.append(_slackened(disc, cluster, parts, idle))
+                found.append(_until(disc, cluster, idle, "taut", f"shorten {' and '.join(idle)}"))
     return tuple(found)
+
+
+def without_inertia(newton: Newton, x: Array) -> tuple[Finding, ...]:
+    """Nodes on no rod that can move or turn with neither mass nor stiffness, at a step of dynamics."""
+    disc = newton.disc
+    if not disc.model.nodes:
+        return ()
+    parts = parts_of(disc, x)
+    equations = equations_of(newton, x, parts)
+    bodies = {body.node: body for body in disc.model.bodies}
+    for k, part in enumerate(parts):
+        if not part.alone:  # a rod has mass, or was refused
+            equations.append(Equations((k,), np.eye(6)))
+        elif (body := bodies.get(part.members[0])) is not None:
+            rows = np.zeros((6, 6))
+            rows[:3, :3] = np.eye(3)
+            rows[3:, 3:] = body.inertia / max(float(np.abs(body.inertia).max()), 1e-300)
+            equations.append(Equations((k,), rows))
+    return tuple(
+        Finding(
+            "no_inertia",
+            True,
+            f"{_in_words(disc, cluster, ' moves with neither mass nor stiffness')}",
+            "give it a body with mass and inertia (.rigid_body), or join it rigidly to what has them",
+        )
+        for cluster in clusters(parts, equations)
+    )
 
 
 def refuse(findings: Sequence[Finding]) -> tuple[Finding, ...]:
@@ -104,9 +136,9 @@ def _judge(newton: Newton, x: Array, cluster: Cluster, parts: tuple[Part, ...]) 
     """Free motions are an error unless the forces that the loads cause hold some of them, near where they are."""
     motions = cluster.nodal(newton.disc.rows)
     fix = _fix(newton.disc, cluster, parts)
-    loads, size_of_loads = _out_of_balance(newton, x)
+    loads, terms = _out_of_balance(newton, x)
     work = np.einsum("nik,ni->k", motions, loads)
-    idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), size_of_loads))
+    idle = np.linalg.norm(work) <= PUSHED * float(np.einsum("nik,ni->", np.abs(motions), terms))
     stiffness, vectors = np.linalg.eigh(_from_loads(newton, x, loads, motions, cluster))
     push = np.zeros(len(work)) if idle else vectors.T @ work
     size = min(part.size for part in cluster.parts)
@@ -150,10 +182,10 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
     tangent = whole_tangent(newton, x)
     given = _prescribed(newton, x)
     push = loads.ravel() - tangent @ given
-    if not np.any(push[free]):
-        return np.zeros((k, k))
     kept = csc_matrix(tangent[free][:, free])
     largest = abs(kept).max(axis=1).toarray().ravel()
+    if not np.any(np.abs(push[free]) > ROUND_OFF * largest * disc.length):
+        return np.zeros((k, k))
     scale = 1.0 / np.sqrt(np.where(largest > 0.0, largest, 1.0))
     border = flat[free] / scale[:, None]
     border = csc_matrix(border / np.abs(border).max())
@@ -194,10 +226,16 @@ def _prescribed(newton: Newton, x: Array) -> Array:
     return out.ravel()
 
 
-def _slackened(disc: Discretisation, cluster: Cluster, parts: tuple[Part, ...], idle: Sequence[str]) -> Finding:
-    cables = " and ".join(idle)
-    words = f"{_in_words(disc, cluster, ' can move freely')}, until {cables} {'is' if len(idle) == 1 else 'are'} taut"
-    return Finding("slack", False, words, f"shorten {cables}, or hold the part in another way")
+def _until(disc: Discretisation, cluster: Cluster, names: Sequence[str], state: str, fix: str) -> Finding:
+    """Motions that something will stop which does not yet."""
+    words = f"{_in_words(disc, cluster, ' can move freely')}, until {' and '.join(names)}"
+    said = f"{words} {'is' if len(names) == 1 else 'are'} {state}"
+    return Finding("slack", False, said, f"{fix}, or hold the part in another way")
+
+
+def _stopped(disc: Discretisation) -> list[str]:
+    """Labels of joints with stops."""
+    return [f"joint {joint.name!r}" for joint in disc.model.joints if joint.stops is not None]
 
 
 def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:
@@ -206,7 +244,9 @@ def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:
     for part, q in zip(cluster.parts, np.split(cluster.free, len(cluster.parts)), strict=True):
         top = largest_nodes(_far(part, q), part.nodes, disc.mesh)
         where = f", largest at {'node' if len(top) == 1 else 'nodes'} {', '.join(map(repr, top))}"
-        if not top:
+        if part.alone:
+            where = ""
+        elif not top:
             where = ", its own axis, along which no node moves"
         elif np.linalg.matrix_rank(q, ALIKE) == 6:
             where = ""

@@ -6,6 +6,7 @@ from typing import Literal
 
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
+from directrix.diagnosis import refuse, without_inertia
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.failures import explained
@@ -82,6 +83,7 @@ def simulate(
     newton = Newton(disc, scheme, Settings(tolerance))
     place_supports(disc, x, t0)
     refuse_joints(newton, x)
+    refuse(without_inertia(newton, x))
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):

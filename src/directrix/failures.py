@@ -18,6 +18,7 @@ from directrix.result import Status
 from directrix.tangents import whole_tangent
 
 Array = NDArray[np.float64]
+NOTHING = 1e-13  # of the entries of a tangent: what is no stiffness
 CLOSE = 0.1  # of the stiffness without stress: below it a state is near a limit or a buckling load
 FAR = 0.5  # of it: above this the loads have not much to do with it
 RIGID = 0.05  # misfit of a rigid motion that still is one
@@ -78,11 +79,13 @@ def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
             return None
     q = np.linalg.qr(block)[0]
     values, vectors = np.linalg.eigh(q.T @ (scaled @ q))
-    vector = scale * (q @ vectors[:, np.argmin(np.abs(values))])
+    nearest = int(np.argmin(np.abs(values)))
+    vector = scale * (q @ vectors[:, nearest])
     shape = np.zeros(disc.held.size)
     shape[free] = vector
     relaxed = whole_tangent(newton, x, newton.tables._replace(par=_without_stress(newton, x)))
     share = float(shape @ (whole_tangent(newton, x) @ shape)) / max(float(shape @ (relaxed @ shape)), 1e-300)
+    share = share if abs(values[nearest]) > NOTHING else 0.0
     out = shape.reshape(-1, 6)[: disc.nodes]
     far, turned = np.abs(out[:, :3]).max(), np.abs(out[:, 3:]).max()
     return Nearest(out / (far if far > 1e-6 * turned * disc.length else turned), share)
@@ -121,6 +124,8 @@ def _degrees(angle: float) -> str:
 
 
 def _share_words(share: float) -> str:
+    if share == 0.0:
+        return "nothing resists it"
     if share < 0.0:
         return "the stress makes its stiffness negative"
     return f"its stiffness is {100.0 * share:.3g} % of what it is without stress"

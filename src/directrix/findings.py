@@ -130,7 +130,7 @@ def _near(model: Model) -> Iterator[Finding]:
         for rod in model.rods
         for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]
     }
-    if len(places) < 2:
+    if len(places) < 2:  # lone nodes are where their links and joints want them
         return
     points = np.array(list(places.values()))
     shortest = min(rod.curve.length for rod in model.rods)
@@ -138,6 +138,7 @@ def _near(model: Model) -> Iterator[Finding]:
     names, size = list(places), float(np.ptp(points, axis=0).max())
     joined = {frozenset(pair) for rod in model.rods for pair in combinations(rod.names, 2)}
     joined |= {frozenset((k.a, k.b)) for k in model.links if isinstance(k.b, str)}
+    joined |= {frozenset(joint.nodes) for joint in model.joints}
     for i, j in sorted(pairs):
         gap = float(np.linalg.norm(points[i] - points[j]))
         if gap > SAME * size and frozenset((names[i], names[j])) not in joined:

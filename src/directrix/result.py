@@ -103,6 +103,8 @@ class Mesh:
         if label not in self.node_names:
             return label
         rods = [repr(rod.name) for rod in self.rods if index in rod.nodes]
+        if not rods:
+            return f"node {label!r}"
         return f"node {label!r} of rod{'s' * (len(rods) > 1)} {', '.join(rods[:3])}" + " …" * (len(rods) > 3)
 
 

@@ -27,6 +27,7 @@ def _contacts(disc: Discretisation, part: Part, others: tuple[Part, ...]) -> Ite
     named = {k: name for name, k in disc.mesh.node_names.items()}
     own = [int(k) for k in part.nodes if int(k) in named]
     r0 = disc.mesh.r0
+    jointed = {frozenset(joint.nodes) for joint in disc.model.joints}
     for other in others:
         if other is part:
             continue
@@ -35,6 +36,8 @@ def _contacts(disc: Discretisation, part: Part, others: tuple[Part, ...]) -> Ite
         for k in own:
             gaps = np.linalg.norm(r0[theirs] - r0[k], axis=1)
             gap, there = float(gaps.min()), named[int(theirs[gaps.argmin()])]
+            if frozenset((named[k], there)) in jointed:
+                continue
             if gap <= near:
                 apart = "at the same place" if gap <= 1e-9 * other.size else f"{gap:.3g} apart"
                 yield f"nodes {named[k]!r} and {there!r} are {apart} and not joined: give them one name", gap
