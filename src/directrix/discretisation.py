@@ -146,7 +146,7 @@ class Discretisation:
             section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
             for r, section in zip(self.mesh.rods, self.sections, strict=True)
         ]
-        return np.concatenate(parts, axis=-2)
+        return np.concatenate([strain[..., :0, :], *parts], axis=-2)
 
     def link_states(self, r: Array, R: Array) -> dict[str, Array]:
         """Length and elastic tension (nt, 2) of every link, from positions (nt, n, 3) and rotations (nt, n, 3, 3)."""
