@@ -78,6 +78,8 @@ def simulate(
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, Settings(tolerance))
+    newton.driver.place(t0, 1.0)
+    newton.driver.shift()
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
@@ -101,6 +103,10 @@ def simulate(
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
+            if newton.driver.varies and ends:
+                newton.driver.place(t, 1.0)
+            elif newton.driver.varies:
+                newton.driver.act(before, t, load_rule)
             newton.begin(x)
             moved = bool(disc.prescribed) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from directrix.checks import number
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
@@ -53,8 +55,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links (6,), what was dissipated by source."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), by source what was dissipated and the
+    work done on elements."""
 
     totals: Array
     flow: Array
@@ -63,6 +66,7 @@ class Books(NamedTuple):
     applied: Array
     ground: Array
     taken: Array
+    done: Array
 
 
 class Newton:
@@ -75,6 +79,7 @@ class Newton:
         self.disc, self.scheme, self.settings = disc, scheme, settings
         self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
         self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         # the compiled loops read 0/1
         self.mask = disc.fixed.astype(np.uint8)
         self.options = np.array(
@@ -216,6 +221,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -243,15 +249,15 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work = self.work
-        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground, work.taken)
+        work, by = self.work, (self.work.taken, self.work.done)
+        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.reaction[:] = 0.0
-        self.work.taken[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 

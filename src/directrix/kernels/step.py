@@ -212,8 +212,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what was dissipated; ``work.taken`` has
-    the last by source, ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, what was dissipated and the work that was done
+    on elements; ``work.taken`` and ``work.done`` have these by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = applied.shape[0]
@@ -252,8 +252,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     else:
         commit(tables, work, x, g)
     work.taken[:] = 0.0
-    lost(tables, work, x, g)
+    work.done[:] = 0.0
     ground(tables, work, x, g)
+    lost(tables, work, x, g)
     for i in range(3):
         force[i] += work.ground[i]
         moment[i] += work.ground[3 + i]
@@ -275,9 +276,10 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     books(tables, work, x, totals, strains)
     if damped:
         _dissipated(tables, work, strains)
-    work.flow[8] = 0.0
+    work.flow[8], work.flow[9] = 0.0, 0.0
     for source in range(work.taken.shape[0]):
         work.flow[8] += work.taken[source]
+        work.flow[9] += work.done[source]
 
 
 @inner

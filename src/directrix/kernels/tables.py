@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation
-from directrix.formulations.element import Committed, Lossy, record_audit, record_commit, record_lost, record_step
+from directrix.formulations.element import (
+    FLOWS,
+    Committed,
+    Lossy,
+    record_audit,
+    record_commit,
+    record_lost,
+    record_step,
+)
 from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
@@ -71,6 +79,7 @@ class Work(NamedTuple):
     flow: Array
     ground: Array
     taken: Array
+    done: Array
     common: Array
 
 
@@ -92,7 +101,9 @@ def _kernels(group: Group) -> tuple[int, int, int, int, int]:
         kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
         if element.rows(layout)
         else 0,
-        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
+        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout))
+        if group.lossy or group.works
+        else 0,
     )
 
 
@@ -186,7 +197,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     n, rows = disc.nodes, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
     inside = sum(6 * max(0, g.layout.nn - 2) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
@@ -205,8 +216,9 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         r=np.zeros(6 * most),
         eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
         back=np.zeros((inside, 13)),
-        flow=np.zeros(9),
+        flow=np.zeros(10),
         ground=np.zeros(6),
         taken=np.zeros(len(disc.sources.names)),
+        done=np.zeros(len(disc.sources.names)),
         common=np.array(scheme.common),
     )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation
-from directrix.model import DOFS, Distributed, Force, Gravity, Moment, RigidVelocity
+from directrix.model import DOFS, Distributed, Force, Gravity, Moment, Pressure, RigidVelocity
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import ArcLength, DisplacementControl, Statics
@@ -139,10 +139,12 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
                 what = f"moment on {load.node}"
             case Distributed():
                 what = f"force per length along {load.rod}"
+            case Pressure():
+                what = f"pressure on {load.rod}, {load.width:.6g} wide, along {load.along}"
             case Gravity():
                 what = "gravity"
         yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}" + (
-            ", turns with the node" if isinstance(load, Force | Moment) and load.follower else ""
+            ", turns with the node" if isinstance(load, Force | Moment | Distributed) and load.follower else ""
         )
     if model.prescribed:
         yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
