@@ -188,7 +188,10 @@ class StaticBooks:
         self.work = self.prescribed = 0.0
         self.done = np.zeros(len(disc.sources.names))
         self.off = np.zeros(2)
-        self.scale = np.zeros(2)
+        # what balances is what loads bring in or, where stresses balance each other, what elements carry; and where
+        # nothing is stressed the force of strains of 1e-8, below which is rounding
+        least = 1e-8 * max(float(np.diag(rod.section.stiffness)[:3].max()) for rod in disc.model.rods)
+        self.scale = np.array([least, least * self.length])
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
@@ -205,7 +208,7 @@ class StaticBooks:
         balance = np.concatenate([on[:, :3].sum(0), moments.sum(0)]) + books.ground
         self.off = np.fmax(self.off, [np.linalg.norm(balance[:3]), np.linalg.norm(balance[3:])])
         force, moment = (np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], on[:, 3:]))
-        force = max(force, moment / self.length)
+        force = max(force, moment / self.length, books.scale[0], books.scale[1] / self.length)
         self.scale = np.fmax(self.scale, (force, force * self.length))
         self.work += float(ledger[0] + ledger[1] + books.flow[9])
         self.done += books.done

@@ -57,7 +57,7 @@ class Outcome(NamedTuple):
 class Books(NamedTuple):
     """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
     loads as they acted (n, 6), force and moment on elements from outside (6,), by source what was dissipated and the
-    work done on elements."""
+    work done on elements, the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -67,6 +67,7 @@ class Books(NamedTuple):
     ground: Array
     taken: Array
     done: Array
+    scale: Array
 
 
 class Newton:
@@ -249,7 +250,7 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work, by = self.work, (self.work.taken, self.work.done)
+        work, by = self.work, (self.work.taken, self.work.done, self.work.scale)
         return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground, *by)
 
     def books(self, x: Array) -> Books:
