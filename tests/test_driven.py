@@ -117,7 +117,7 @@ def soft_arm(section: dx.Section, order: int) -> dx.Model:
     ids=["conserving", "quadratic", "law", "dissipating"],
 )
 def test_the_ledger_closes_with_everything_that_drives(integrator, section: dx.Section, order: int) -> None:
-    result = dx.simulate(soft_arm(section, order), 12.0, 0.02, integrator=integrator)
+    result = dx.simulate(soft_arm(section, order), 8.0, 0.02, integrator=integrator)
     assert result.success, result.status
     assert all(entry.claimed and entry.value <= 1e-11 for entry in result.audit.entries), result.audit.entries
     work, taken = result.energy.work_by_source, result.energy.by_source
@@ -418,11 +418,5 @@ def test_a_case_file_says_all_of_it(tmp_path) -> None:
     from directrix.schema.describe import describe
 
     page = describe(case)
-    for words in (
-        "pressure on arm",
-        "actuation of arm: curvature",
-        "tendon pull: along arm",
-        "through a – b",
-        "drag on",
-    ):
-        assert words in page
+    words = ("pressure on arm", "actuation of arm: curvature", "tendon pull: along arm", "through a – b", "drag on")
+    assert [word for word in words if word not in page] == []
