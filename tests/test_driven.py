@@ -243,10 +243,10 @@ def test_a_ring_under_pressure_has_the_hoop_force() -> None:
 
 
 def test_a_pressure_is_a_follower_along_a_director() -> None:
-    one = dx.solve_static(rod().clamp("a").pressure("arm", 4.0, width=0.5, along="-d1"), steps=3)
-    two = dx.solve_static(rod().clamp("a").distributed("arm", (0, -2.0, 0), follower=True), steps=3)
+    one = dx.solve_static(rod().clamp("a").pressure("arm", 20.0, width=0.5, along="-d1"), steps=3)
+    two = dx.solve_static(rod().clamp("a").distributed("arm", (0, -10.0, 0), follower=True), steps=3)
     np.testing.assert_allclose(one.r[-1], two.r[-1], atol=1e-12)
-    dead = dx.solve_static(rod().clamp("a").distributed("arm", (0, -2.0, 0)), steps=3)
+    dead = dx.solve_static(rod().clamp("a").distributed("arm", (0, -10.0, 0)), steps=3)
     assert np.abs(one.r[-1] - dead.r[-1]).max() > 1e-2
 
 

@@ -190,7 +190,7 @@ class StaticBooks:
         self.off = np.zeros(2)
         # what balances is what loads bring in or, where stresses balance each other, what elements carry; and where
         # nothing is stressed the force of strains of 1e-8, below which is rounding
-        least = 1e-8 * max(float(np.diag(rod.section.stiffness)[:3].max()) for rod in disc.model.rods)
+        least = 1e-8 * max((float(np.diag(r.section.stiffness)[:3].max()) for r in disc.model.rods), default=0.0)
         self.scale = np.array([least, least * self.length])
         self.turn = _Turn(disc)
         self.turn.add(first.totals)

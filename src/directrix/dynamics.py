@@ -10,6 +10,7 @@ from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
+from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
@@ -80,6 +81,8 @@ def simulate(
     newton = Newton(disc, scheme, Settings(tolerance))
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
+    place_supports(disc, x, t0)
+    refuse_joints(newton, x)
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
@@ -108,7 +111,7 @@ def simulate(
             elif newton.driver.varies:
                 newton.driver.act(before, t, load_rule)
             newton.begin(x)
-            moved = bool(disc.prescribed) and place_supports(disc, x, t)
+            moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:

@@ -38,7 +38,8 @@ class Group:
 
     What is attached to rods has ``names``, elements of rods have the names of their rods in ``owners``. A group is
     ``lossy`` when it dissipates by itself, ``works`` when it brings in work, ``grounded`` when the ground holds its
-    other end.
+    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes of a
+    ``jointed`` one are rows of multipliers.
     """
 
     element: Element
@@ -52,6 +53,13 @@ class Group:
     grounded: bool = False
     works: bool = False
     owners: tuple[str, ...] = ()
+    condensed: bool = True
+    jointed: bool = False
+
+    @property
+    def in_pattern(self) -> Ints:
+        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 
 def _boundaries(rod: Rod) -> tuple[Array, list[str]]:

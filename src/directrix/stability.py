@@ -193,9 +193,14 @@ class _System:
             )
         disc = discretise(model if dynamic else _with_mass(model), self.scheme)
         factor = 0.0 if about is None else float(about.load_factor[-1])
-        self.disc: Discretisation = disc.driven(factor, factor)
+        self.disc: Discretisation = disc.driven_at(factor, factor)
         if np.any(self.disc.external(1.0)[:, 6:]):
             raise ModelError("a load turns with its node, and the stiffness is not symmetric", "leave followers out")
+        if model.joints:
+            raise ModelError(
+                f"joint {model.joints[0].name!r}: vibration and buckling have no form for joints yet",
+                "give nodes that are joined rigidly one name, or use stiff springs",
+            )
         self.newton = Newton(self.disc, self.scheme, Settings())
         start = None if about is None else _at_rest(about)
         self.x = initial_state(self.disc, start, self.scheme)
@@ -248,7 +253,7 @@ class _System:
         found: list[Array] = []
         for sign in (1.0, -1.0):
             x = self.x.copy()
-            kernel.move(sign * size * step, x, False, False, np.inf)
+            kernel.move(sign * size * step, self.disc.nodes, x, False, False, np.inf)
             found.append(self.newton.books(x).strains.copy())
         return (found[0] - found[1]) / (2.0 * size)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from directrix.basis import gauss, lagrange
 
@@ -41,6 +41,9 @@ class Layout:
     at the end of a step (0 or 12 each), drag (0, or c_n, c_t, dS/dξ at the nn inertia points, velocity of the fluid at
     the start and at the end of a step).
     """
+
+    last_adds: ClassVar[bool] = False
+    """The last node is none: increments of all six components are added (multipliers)."""
 
     nn: int
     points: int

@@ -13,7 +13,9 @@ from directrix.discretisation import Discretisation
 from directrix.formulations.element import (
     FLOWS,
     Committed,
+    Jointed,
     Lossy,
+    record_acts,
     record_audit,
     record_commit,
     record_lost,
@@ -50,6 +52,7 @@ class Tables(NamedTuple):
     rates: int
     half: bool
     carried: bool
+    nodes: int
     lumped: Array
     damping: Array
     damped: Ints
@@ -80,6 +83,7 @@ class Work(NamedTuple):
     ground: Array
     taken: Array
     done: Array
+    joints: Array
     common: Array
 
 
@@ -91,7 +95,7 @@ def in_lanes(parameters: Any) -> Any:
     return padded.reshape(blocks, LANES, size).transpose(0, 2, 1).ravel()
 
 
-def _kernels(group: Group) -> tuple[int, int, int, int, int]:
+def _kernels(group: Group) -> tuple[int, ...]:
     layout, element = group.layout, group.element
     about = f"{layout} {element}"
     return (
@@ -104,6 +108,7 @@ def _kernels(group: Group) -> tuple[int, int, int, int, int]:
         kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout))
         if group.lossy or group.works
         else 0,
+        kernel_address(f"acts {about}", lambda: record_acts(cast(Jointed, element), layout)) if group.jointed else 0,
     )
 
 
@@ -112,8 +117,8 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     head: list[tuple[int, ...]] = []
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
     at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
-    history = disc.nodes * (2 if scheme.nodal_rows else 1)
-    for group in disc.groups:
+    history = disc.rows + (disc.nodes if scheme.nodal_rows else 0)
+    for group, dest in zip(disc.groups, disc.pattern.first, strict=True):
         ne, nn = group.conn.shape
         rows = group.element.rows(group.layout)
         lanes = in_lanes(group.parameters)
@@ -121,7 +126,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             (
                 *_kernels(group), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
                 at["element"], at["back"], at["at"], rows, history,
-                int(group.grounded),
+                int(group.grounded), dest, group.in_pattern.shape[1],
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
@@ -134,7 +139,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             ("conn", ne * nn),
             ("par", lanes.size),
             ("element", ne),
-            ("back", 6 * max(0, nn - 2) * ne),
+            ("back", 6 * (nn - group.in_pattern.shape[1]) * ne),
             ("at", places[-1].size),
         ):
             at[key] += n
@@ -152,10 +157,11 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.node_of_row,
         pattern.rowptr,
         pattern.diagonal,
-        pattern.dest.ravel(),
+        pattern.dest,
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
+        disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         *_damping(disc, scheme),
         disc.sources.element,
@@ -169,7 +175,7 @@ def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
     sources, chi = disc.sources, scheme.common[2]
     matrices: list[Array] = []
     booked: list[Ints] = []
-    if sources.material.max() >= 0:
+    if sources.material.max(initial=-1) >= 0:
         matrices.append(_at_stations(disc, 6, scheme.common[1]))
         booked.append(np.repeat(sources.material, [len(rod.stations) for rod in disc.mesh.rods]))
     if sources.numerical >= 0 and chi:
@@ -194,11 +200,11 @@ def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:
 
 def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     """Workspace for one run."""
-    n, rows = disc.nodes, len(disc.pattern.node_of_row)
+    n, rows = disc.rows, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
     outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
-    inside = sum(6 * max(0, g.layout.nn - 2) * len(g.conn) for g in disc.groups)
+    inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
         applied=np.zeros((n, 6)),
@@ -220,5 +226,6 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         ground=np.zeros(6),
         taken=np.zeros(len(disc.sources.names)),
         done=np.zeros(len(disc.sources.names)),
+        joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
     )
