@@ -2,8 +2,8 @@
 
 The drag per length is c_n v_n² across the axis and c_t v_t² along it. Let go at an inclination α, a stiff rod keeps it,
 because the drag is the same all along, and slides sideways: with m the mass per length its terminal velocity has the
-components v_n = √(m g cos α/c_n) and v_t = √(m g sin α/c_t). Level, its speed is v_n tanh(g t/v_n), and it has fallen by
-(v_n²/g) ln cosh(g t/v_n). What the fluid takes is booked in every step: the ledger of energy closes to round-off.
+components v_n = √(m g cos α/c_n) and v_t = √(m g sin α/c_t). Level, its speed is v_n tanh(g t/v_n), and it has fallen
+by (v_n²/g) ln cosh(g t/v_n). What the fluid takes is booked in every step: the ledger of energy closes to round-off.
 
     python examples/falling_rod.py [--degrees 30] [--out FOLDER]
 """

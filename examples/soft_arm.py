@@ -1,9 +1,10 @@
 """A soft robot's arm: silicone, three tendons inside, in water.
 
 One tendon parallel to the axis at the distance ξ, pulled with T, bends the arm into an arc of curvature κ = T ξ/EI and
-shortens it by T/EA: that is where the energy of arm and tendon together is least. Between the ends of elements the tendon is
-straight, which for linear elements of length h adds T h²/4 to EI. Then the three pull one after the other and the tip goes
-round. What they put in and what silicone and water take is booked by its sources; the ledger closes to round-off.
+shortens it by T/EA: that is where the energy of arm and tendon together is least. Between the ends of elements the
+tendon is straight, which for linear elements of length h adds T h²/4 to EI. Then the three pull one after the other and
+the tip goes round. What they put in and what silicone and water take is booked by its sources; the ledger closes to
+round-off.
 
     python examples/soft_arm.py [--tension 0.5] [--out FOLDER]
 """
@@ -48,9 +49,8 @@ def main(
     fine = 4 * elements
     bent = dx.solve_static(arm(fine).tendon("arm", tension, offset=(XI, 0)), steps=4, raise_on_failure=True)
     strain = bent.rod("arm").strain[-1].mean(axis=0)
-    moving = arm(elements).drag(
-        "arm", normal=0.5 * 1000 * 1.1 * 2 * RADIUS, tangential=0.5 * 1000 * 0.01 * np.pi * 2 * RADIUS
-    )
+    half = 0.5 * 1000.0 * 2 * RADIUS  # ½ ρ d of water
+    moving = arm(elements).drag("arm", normal=1.1 * half, tangential=0.01 * np.pi * half)
     for k in range(3):
         angle = 2.0 * np.pi * k / 3
         offset = (XI * np.cos(angle), XI * np.sin(angle))

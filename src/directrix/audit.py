@@ -228,7 +228,9 @@ class StaticBooks:
 
 def _workers(result: Result) -> dict[str, Array]:
     """Who did work, if there is more than one."""
-    working = {name: done for name, done in result.energy.work_by_source.items() if np.any(done)}
+    by = result.energy.work_by_source
+    most = max((float(np.abs(done).max()) for done in by.values()), default=0.0)
+    working = {name: done for name, done in by.items() if np.abs(done).max() > 1e-12 * most}
     return working if len(working) > 1 else {}
 
 
