@@ -82,7 +82,7 @@ def simulate(
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
     place_supports(disc, x, t0)
-    refuse_joints(newton, x)
+    refuse_joints(newton, x, fresh=start is None or start.kind == "static")
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
