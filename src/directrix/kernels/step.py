@@ -234,8 +234,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what was dissipated; ``work.taken`` has
-    the last by source, ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, what was dissipated and the work that was done
+    on elements; ``work.taken`` and ``work.done`` have these by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = tables.nodes
@@ -270,8 +270,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
     work.taken[:] = 0.0
-    lost(tables, work, x, g)
+    work.done[:] = 0.0
     ground(tables, work, x, g)
+    lost(tables, work, x, g)
     driven, prescribed = acts(tables, work, x, g)
     done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
@@ -299,9 +300,10 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     books(tables, work, x, totals, strains)
     if damped:
         _dissipated(tables, work, strains)
-    work.flow[8] = 0.0
+    work.flow[8], work.flow[9] = 0.0, 0.0
     for source in range(work.taken.shape[0]):
         work.flow[8] += work.taken[source]
+        work.flow[9] += work.done[source]
 
 
 @inner
