@@ -162,7 +162,7 @@ class DynamicBooks:
         )
         value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
         claims = self.integrator
-        back = Entry("dissipation", float(self.given / scale[0]), LIMIT, f"{scale[0]:.6g}")
+        back = Entry("dissipation", float(self.given / scale[0]) if scale[0] > 0.0 else 0.0, LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
                 Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self, cast
 
 import numpy as np
@@ -20,6 +20,7 @@ VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
+OPTIONS = tuple(f.name for f in fields(Joint))[4:]  # behind name, kind, nodes
 
 __all__ = [
     "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "RigidVelocity", "Rod",
@@ -335,11 +336,15 @@ class Model:
         The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
         joint of that name.
         """
+        node = text(node, "node of a body")
         if offset is not None:
             arm, own = np.array(vector(offset, f"offset of the body on node {node!r}")), f"{node}.body"
             places = self._places()
             if node not in places:
-                raise ModelError(f"there is no node {node!r} for the body", "add rods and nodes first")
+                raise ModelError(
+                    f"there is no node {node!r} for the body",
+                    f"{nearest(node, places)}add rods and nodes before a body that is off its node",
+                )
             apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
             return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
         body = Body(node, mass, np.asarray(inertia))
@@ -386,14 +391,15 @@ class Model:
         return self._joint(name, "planar", a, b, axis=normal, at=at)
 
     def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
-        name = f"joint{len(self.joints) + 1}" if name is None else name
+        name = text(f"joint{len(self.joints) + 1}" if name is None else name, "name of a joint")
         if any(other.name == name for other in self.joints):
             raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
-        try:
-            joint = Joint(name, kind, a, b, **options)
-        except TypeError as error:
-            raise ModelError(f"joint {name!r}: {error}", "see dx.Joint for what a joint takes") from None
-        return replace(self, joints=(*self.joints, joint))
+        for key in options:
+            if key not in OPTIONS:
+                raise ModelError(
+                    f"joint {name!r}: there is no {key}=", f"{nearest(key, OPTIONS)}use {', '.join(OPTIONS)}"
+                )
+        return replace(self, joints=(*self.joints, Joint(name, kind, a, b, **options)))
 
     def _link_name(self, name: str | None) -> str:
         return f"link{len(self.links) + 1}" if name is None else name
@@ -422,7 +428,7 @@ class Model:
         ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
         """
         if not self.rods and not self.nodes:
-            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
+            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...), or a .node(...)")
         places = self._places()
         self._known(places)
         self._values()
@@ -572,11 +578,13 @@ class Model:
                 part[root(joint.a)] = root(joint.b)
         good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
         good |= {root(joint.a) for joint in self.joints if joint.b is None}
-        for rod in self.rods:
-            if root(rod.ends[0]) not in good:
+        parts = [(f"rod {rod.name!r}", rod.ends[0]) for rod in self.rods]
+        parts += [(f"node {node.name!r}", node.name) for node in self.nodes]
+        for what, node in parts:
+            if root(node) not in good:
                 raise ModelError(
-                    f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
-                    "add .clamp, .pin or .fix, or use dx.simulate",
+                    f"{what} and what is joined to it has no support and can move as a rigid body",
+                    "add .clamp, .pin, .fix or a joint with the ground, or use dx.simulate",
                 )
 
 
