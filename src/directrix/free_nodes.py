@@ -1,4 +1,4 @@
-"""Nodes that are on no rod: a rotation that nothing depends on is held, a node that nothing is attached to is refused."""
+"""Nodes on no rod: a rotation that nothing depends on is held, a node that nothing is attached to is refused."""
 
 from __future__ import annotations
 

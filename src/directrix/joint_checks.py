@@ -104,9 +104,9 @@ def _refuse_massless(newton: Newton, x: Array) -> None:
     node = int(where[np.abs(loose).argmax()])
     motion = np.einsum("w,wc->c", loose * (where == node), ways)
     name = disc.mesh.label(node)
-    if np.abs(motion[:3]).max() * disc.length >= 1e-6 * np.abs(motion[3:]).max():
+    if all(body.node != name for body in disc.model.bodies):
         raise ModelError(
-            f"node {name!r} has no mass, and nothing says how it moves",
+            f"node {name!r} has no mass, and nothing says how it {'moves' if np.any(np.round(motion[:3], 6)) else 'turns'}",
             "give it .point_mass or .rigid_body, or hold it with joints or supports",
         )
     axis = motion[3:] / np.linalg.norm(motion[3:])
@@ -130,12 +130,12 @@ def _massless(disc: Discretisation) -> tuple[NDArray[np.int64], Array]:
         k = disc.mesh.node_names[node.name]
         free = ~disc.fixed[k]
         body = bodies.get(node.name)
+        found: list[Array] = []
         if body is None:
-            found = [unit for unit in np.eye(6)[free]]
+            found += list(np.eye(6)[free])
         else:
             turns = np.flatnonzero(free[3:])
             values, vectors = np.linalg.eigh(body.inertia[np.ix_(turns, turns)])
-            found = []
             for value, vector in zip(values, vectors.T, strict=True):
                 if value <= 1e-12 * np.abs(body.inertia).max():
                     way = np.zeros(6)

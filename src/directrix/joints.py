@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,7 +140,8 @@ class Joint:
                 if getattr(self, key):
                     raise ModelError(f"{where}: {key} is that of stops, and it has none", "give stops=(lower, upper)")
             return
-        if not isinstance(self.stops, (tuple, list, np.ndarray)) or len(self.stops) != 2:
+        stops: Any = self.stops
+        if not isinstance(stops, (tuple, list, np.ndarray)) or len(cast("list[Any]", stops)) != 2:
             raise ModelError(f"{where}: stops = {shown(self.stops)} are not two numbers", "give (lower, upper)")
         low, high = (number(x, f"{where}: {side} stop") for x, side in zip(self.stops, ("lower", "upper"), strict=True))
         if not high > low:

@@ -19,7 +19,7 @@ from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
 Array = NDArray[np.float64]
 Vec = tuple[float, float, float]
 
-__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "Sine", "Table", "Time", "VectorTable"]
+__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable"]
 
 
 class Table(Strict):
@@ -149,6 +149,17 @@ class Scaled:
 
     def __call__(self, t: float) -> Array:
         return self.factor(t) * np.array(self.value)
+
+
+@dataclass(frozen=True)
+class ScaledNumber:
+    """A number times a factor of time."""
+
+    value: float
+    factor: Time
+
+    def __call__(self, t: float) -> float:
+        return self.factor(t) * self.value
 
 
 @dataclass(frozen=True)
