@@ -105,8 +105,9 @@ def _refuse_massless(newton: Newton, x: Array) -> None:
     motion = np.einsum("w,wc->c", loose * (where == node), ways)
     name = disc.mesh.label(node)
     if all(body.node != name for body in disc.model.bodies):
+        does = "moves" if np.any(np.round(motion[:3], 6)) else "turns"
         raise ModelError(
-            f"node {name!r} has no mass, and nothing says how it {'moves' if np.any(np.round(motion[:3], 6)) else 'turns'}",
+            f"node {name!r} has no mass, and nothing says how it {does}",
             "give it .point_mass or .rigid_body, or hold it with joints or supports",
         )
     axis = motion[3:] / np.linalg.norm(motion[3:])
