@@ -177,6 +177,19 @@ def test_a_body_that_a_hinge_on_the_ground_holds_has_an_equilibrium() -> None:
     assert result.iterations.mean() <= 5.0 and result.info["cuts"] == 0
 
 
+def test_a_drive_pushes_the_coordinate_up_and_the_second_node_forward() -> None:
+    """J φ̈ = M: ½ M/J t² of b against a held a, −½ M/J t² of a against a held b."""
+    for free, sign in (("P", -1.0), ("Q", 1.0)):
+        held = "Q" if free == "P" else "P"
+        model = (
+            bodies().clamp(held).hinge("P", "Q", axis=(0, 0, 1), at=(1, 0, 0) if free == "P" else (0, 0, 0), drive=0.4)
+        )
+        result = run(model)
+        assert result.joint("joint1").coordinate[-1] == pytest.approx(0.05, rel=1e-3)
+        assert result.node(free).R[-1, 1, 0] == pytest.approx(sign * np.sin(0.05), rel=1e-3)
+        np.testing.assert_allclose(result.joint("joint1").moment[-1], [0, 0, 0.4], atol=1e-12)
+
+
 def test_nothing_moves_and_the_books_say_so() -> None:
     assert run(bodies().spring("P", "Q", 1.0, offset_b=(0, 0, 0))).audit.passed
 

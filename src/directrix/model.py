@@ -155,7 +155,11 @@ class Model:
     nodes: tuple[Node, ...] = ()
 
     def node(self, name: str, at: Any) -> Self:
-        """Add a node that is on no rod, for a body that joints or links hold."""
+        """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
+
+        What moves of it in dynamics needs mass, or a joint, link or support that says how. Raises ModelError for a name
+        that is taken or a place that is none.
+        """
         name = text(name, "name of a node")
         if any(other.name == name for other in self.nodes):
             raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
@@ -334,7 +338,7 @@ class Model:
         """A rigid body on a node; ``inertia`` (3, 3) about its centre of mass, in the reference frame.
 
         The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
-        joint of that name.
+        joint of that name. Raises ModelError for a mass or an inertia that no body has, and for a second body on it.
         """
         node = text(node, "node of a body")
         if offset is not None:
@@ -353,23 +357,59 @@ class Model:
         return replace(self, bodies=(*self.bodies, body))
 
     def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
-        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far."""
+        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far.
+
+        Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "rigid", a, b)
 
     def spherical(self, a: str, b: str | None = None, *, name: str | None = None, **options: Any) -> Self:
-        """A ball joint. ``options``: at, stiffness, damping, see :class:`Joint`."""
+        """A ball joint: all turning is free.
+
+        ``options``: ``at``, ``stiffness`` (moment per angle) against any relative rotation, ``damping`` (moment per
+        relative spin); see :meth:`hinge`, also for what is raised.
+        """
         return self._joint(name, "spherical", a, b, **options)
 
     def hinge(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """A hinge about ``axis`` (turns with ``a``). ``options``: at, stiffness, rest, damping, prescribed, drive,
-        stops, stop_stiffness, stop_width on its angle, see :class:`Joint`."""
+        """A hinge between node ``a`` and node ``b``, or ``a`` and the ground.
+
+        Its angle q [rad] is that of ``b`` relative to ``a`` (of ``a`` relative to the ground) about the axis, zero in
+        the reference, any number of turns. Constraints hold at the end of every step, their multipliers do no work
+        (Betsch & Steinmann 2002; Betsch & Leyendecker 2006).
+
+        Parameters
+        ----------
+        a, b
+            Names of its nodes.
+        axis
+            Its direction in the reference; turns with ``a``.
+        name
+            Its name; "joint1", "joint2", … by default.
+        options
+            ``at``: its place in the reference; that of ``b`` (of ``a`` on the ground) by default.
+            ``stiffness``, ``rest``: a spring, ½ stiffness (q − rest)²; moment per angle, and an angle.
+            ``damping``: moment per rate of q, in dynamics.
+            ``drive``: a moment that pushes q up, a number or a function of time (statics: times the load factor).
+            ``prescribed``: q, a number or a function of time (statics: of the load factor; a number ramps with it).
+            ``stops``: (lower, upper) angles, beyond which springs of ``stop_stiffness`` act, the change smooth over
+            ``stop_width``, a thousandth of the way between them by default.
+
+        Raises
+        ------
+        ModelError
+            A value cannot be right, two things act on q that exclude each other, or the name is taken. Joints that
+            hold what others or supports hold already are found when a run starts.
+        """
         return self._joint(name, "hinge", a, b, axis=axis, **options)
 
     def universal(
         self, a: str, b: str | None = None, *, axes: tuple[Vec, Vec], name: str | None = None, **options: Any
     ) -> Self:
         """A universal (Cardan) joint: its perpendicular ``axes`` stay so, the first on ``a``, the second on ``b``.
-        ``options``: at, stiffness, damping, see :class:`Joint`."""
+
+        ``options`` as for :meth:`spherical`; raises ModelError as :meth:`hinge`.
+        """
         try:
             first, second = axes
         except (TypeError, ValueError):
@@ -378,16 +418,24 @@ class Model:
 
     def cylindrical(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
         """``b`` slides along and turns about the line through the joint along ``axis``, which ``a`` carries.
-        ``options`` as for a hinge, on the displacement."""
+
+        ``options`` as for :meth:`hinge`, on the displacement along the axis: forces for moments, lengths for angles.
+        Raises ModelError as it does.
+        """
         return self._joint(name, "cylindrical", a, b, axis=axis, **options)
 
     def slider(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``. ``options`` as for a
-        hinge, on the displacement."""
+        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``.
+
+        ``options`` as for :meth:`cylindrical`; raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "slider", a, b, axis=axis, **options)
 
     def planar(self, a: str, b: str | None = None, *, normal: Vec, name: str | None = None, at: Any = None) -> Self:
-        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it."""
+        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it.
+
+        Nothing acts on its freedom but links and loads. Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "planar", a, b, axis=normal, at=at)
 
     def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
