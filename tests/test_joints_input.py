@@ -187,7 +187,7 @@ def test_a_drive_pushes_the_coordinate_up_and_the_second_node_forward() -> None:
         result = run(model)
         assert result.joint("joint1").coordinate[-1] == pytest.approx(0.05, rel=1e-3)
         assert result.node(free).R[-1, 1, 0] == pytest.approx(sign * np.sin(0.05), rel=1e-3)
-        np.testing.assert_allclose(result.joint("joint1").moment[-1], [0, 0, 0.4], atol=1e-12)
+        np.testing.assert_allclose(result.joint("joint1").moment[-1], [0, 0, 0.4], atol=1e-5)
 
 
 def test_nothing_moves_and_the_books_say_so() -> None:
