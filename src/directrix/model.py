@@ -9,6 +9,7 @@ from typing import Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
@@ -23,8 +24,8 @@ SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
 
 __all__ = [
-    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "RigidVelocity", "Rod",
-    "Support", "Vec", "VecOrFn", "Velocity",
+    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "Pressure", "RigidVelocity",
+    "Rod", "Support", "Vec", "VecOrFn", "Velocity",
 ]  # fmt: skip
 
 
@@ -96,10 +97,23 @@ class Moment:
 
 @dataclass(frozen=True)
 class Distributed:
-    """Dead force per unit reference length of a rod, global frame."""
+    """Dead force per unit reference length of a rod, global frame; with ``follower`` it turns with the sections, and
+    its components are those in the reference."""
 
     rod: str
     value: VecOrFn
+    constant: bool = False
+    follower: bool = False
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure on one side of a rod: the force ``value`` · ``width`` per unit reference length along a director."""
+
+    rod: str
+    value: float | Callable[[float], ArrayLike]
+    width: float = 1.0
+    along: str = "d1"
     constant: bool = False
 
 
@@ -129,7 +143,8 @@ class RigidVelocity:
     about: Vec = (0.0, 0.0, 0.0)
 
 
-Load = Force | Moment | Distributed | Gravity
+Load = Force | Moment | Distributed | Gravity | Pressure
+SIDES = ("d1", "d2", "-d1", "-d2")
 
 
 def _value(value: Any, what: str) -> VecOrFn:
@@ -151,6 +166,9 @@ class Model:
     velocities: tuple[Velocity | RigidVelocity, ...] = ()
     links: tuple[Link, ...] = ()
     bodies: tuple[Body, ...] = ()
+    actuations: tuple[Actuation, ...] = ()
+    drags: tuple[Drag, ...] = ()
+    tendons: tuple[Tendon, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
 
@@ -287,16 +305,27 @@ class Model:
         )
         return replace(self, loads=(*self.loads, new))
 
-    def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
-        """Dead force per unit reference length of a rod: a vector or a function of time."""
+    def distributed(self, rod: str, f: Any, *, constant: bool = False, follower: bool = False) -> Self:
+        """Force per unit reference length of a rod: a vector or a function of time.
+
+        Dead, or with ``follower`` turning with the sections: R f, R their rotation from the reference.
+        """
         rod = text(rod, "name of a rod")
-        return replace(
-            self,
-            loads=(
-                *self.loads,
-                Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), flag(constant, "constant")),
-            ),
-        )
+        value = _value(f, f"distributed load on rod {rod!r}")
+        new = Distributed(rod, value, flag(constant, "constant"), flag(follower, "follower"))
+        return replace(self, loads=(*self.loads, new))
+
+    def pressure(self, rod: str, p: Any, *, width: float = 1.0, along: str = "d1", constant: bool = False) -> Self:
+        """Pressure on one side of a rod, a number or a function of time: p · ``width`` per unit reference length.
+
+        The force pushes ``along`` a director, "d1", "d2", "-d1" or "-d2", and follows the section.
+        """
+        rod = text(rod, "name of a rod")
+        value = numbers(p, 1, f"pressure on rod {rod!r}")
+        number(width, f"width of the pressure on rod {rod!r}", above=0.0)
+        choice(along, "direction of a pressure", SIDES)
+        new = Pressure(rod, value, float(width), along, flag(constant, "constant"))
+        return replace(self, loads=(*self.loads, new))
 
     def gravity(self, g: Any, *, constant: bool = False) -> Self:
         """Acceleration of gravity: a vector or a function of time."""
@@ -325,6 +354,46 @@ class Model:
         """A straight cable without mass that pulls and does not push; the change is smooth over ``width``."""
         made = Link(self._link_name(name), a, b, stiffness, length, damping, offset_a, offset_b, True, width)
         return self._link(made)
+
+    def actuate(
+        self, rod: str, *, curvature: Any = None, twist: Any = None, elongation: Any = None, strain: Any = None,
+        along: bool = False,
+    ) -> Self:  # fmt: skip
+        """Change the strain at which a rod is without stress, as muscles and swelling do; see :class:`Actuation`.
+
+        ``curvature`` (bending 1, bending 2), ``twist``, ``elongation`` or all six as ``strain``: values, or functions
+        of t, with ``along`` of (t, s).
+        """
+        new = Actuation(rod, curvature, twist, elongation, strain, along)
+        if any(other.rod == new.rod for other in self.actuations):
+            raise ModelError(f"rod {rod!r} is actuated twice", "give one actuation, their sum if that is meant")
+        return replace(self, actuations=(*self.actuations, new))
+
+    def tendon(
+        self, along: str | Iterable[str], tension: Any, *, offset: Any = (0.0, 0.0), name: str | None = None,
+        constant: bool = False,
+    ) -> Self:  # fmt: skip
+        """A tendon along a rod, or from node to node, with a tension that is a number or a function of time.
+
+        See :class:`Tendon`.
+        """
+        name = f"tendon{len(self.tendons) + 1}" if name is None else name
+        new = Tendon(name, along if isinstance(along, str) else tuple(along), tension, offset, constant)
+        if any(other.name == new.name for other in self.tendons):
+            raise ModelError(f"there are two tendons called {name!r}", "give each tendon a name of its own")
+        return replace(self, tendons=(*self.tendons, new))
+
+    def drag(
+        self, rod: str, normal: float, tangential: float = 0.0, *, flow: Any = (0.0, 0.0, 0.0), constant: bool = False
+    ) -> Self:
+        """Quadratic drag of a fluid on a rod; ``flow`` is the fluid's velocity, a vector or a function of time.
+
+        See :class:`Drag`.
+        """
+        new = Drag(rod, normal, tangential, flow, constant)
+        if any(other.rod == new.rod for other in self.drags):
+            raise ModelError(f"rod {rod!r} has two drags", "give one, their sum if that is meant")
+        return replace(self, drags=(*self.drags, new))
 
     def point_mass(self, node: str, m: float) -> Self:
         """A mass on a node."""
@@ -506,15 +575,18 @@ class Model:
         about += [(f"link {k.name!r}", node) for k in self.links for node in (k.a, k.b) if isinstance(node, str)]
         about += [("body", body.node) for body in self.bodies]
         about += [(f"joint {joint.name!r}", node) for joint in self.joints for node in joint.nodes]
+        for tendon in self.tendons:
+            about += [(f"tendon {tendon.name!r}", n) for n in tendon.along if not isinstance(tendon.along, str)]
         for what, node in about:
             if node not in places:
                 raise ModelError(
                     f"there is no node {node!r} for the {what}",
                     f"{nearest(node, places)}nodes are {', '.join(places)}",
                 )
-        for load in self.loads:
-            if isinstance(load, Distributed):
-                self._rod(load.rod)
+        rods = [load.rod for load in self.loads if isinstance(load, (Distributed, Pressure))]
+        rods += [a.rod for a in self.actuations] + [d.rod for d in self.drags]
+        for name in (*rods, *(t.along for t in self.tendons if isinstance(t.along, str))):
+            self._rod(name)
         if any(isinstance(load, Gravity) for load in self.loads) and not (
             self.bodies or any(r.section.A_rho for r in self.rods)
         ):
@@ -533,11 +605,19 @@ class Model:
                 if callable(given):
                     number(_called(given, f"{key} of joint {joint.name!r}"), f"{key} of joint {joint.name!r} at t = 0")
         for load in self.loads:
+            if isinstance(load, Pressure):
+                if callable(load.value):
+                    value_at(load.value, 1, f"the pressure on rod {load.rod!r}", 0.0)
+                continue
             place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):
                 vector(_called(value, what), f"{what} at t = 0")
+        for driven in (*self.drags, *self.tendons):
+            driven.at(0.0, 1.0)
+        for actuation in self.actuations:
+            actuation.at(0.0, 1.0, np.zeros(1))
 
     def _held(self) -> dict[str, set[str]]:
         """Held components of every node; refuses a component that is held twice."""

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from directrix.checks import number
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
@@ -53,9 +55,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what joints do
-    (joints, ≥ 6)."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), what joints do (joints, ≥ 6); by source
+    what was dissipated and the work done on elements; the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -64,6 +66,9 @@ class Books(NamedTuple):
     applied: Array
     ground: Array
     joints: Array
+    taken: Array
+    done: Array
+    scale: Array
 
 
 class Newton:
@@ -76,6 +81,7 @@ class Newton:
         self.disc, self.scheme, self.settings = disc, scheme, settings
         self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
         self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         # the compiled loops read 0/1
         self.mask = disc.held.astype(np.uint8)
         self.options = np.array(
@@ -225,6 +231,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -252,10 +259,9 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work, n = self.work, self.disc.nodes
-        return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.joints
-        )
+        work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
+        applied, reaction = work.applied[:n], work.reaction[:n]
+        return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -263,6 +269,7 @@ class Newton:
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 

@@ -136,7 +136,9 @@ class Energy:
     ``work`` is all that came in from outside since the start, by loads and by prescribed motion
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
-    for a conserving step.
+    for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
+    every rod's section, fluids, numerical dissipation; ``work_by_source`` is ``work`` by what did it: loads, supports,
+    actuation, tendons, fluids that flow.
     """
 
     kinetic: Array
@@ -144,6 +146,8 @@ class Energy:
     work: Array
     prescribed: Array
     dissipated: Array
+    by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    work_by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:

@@ -14,11 +14,11 @@ import numpy as np
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
-from directrix.model import Model, Vec, VecOrFn
+from directrix.model import Model, Vec
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
-from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable
+from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable, timed
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
@@ -106,11 +106,19 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     for key in ("force", "moment", "distributed"):
         for k, load in enumerate(getattr(tables, key)):
             yield (key, k), partial(_load, load)
+    for k, pressed in enumerate(tables.pressure):
+        yield ("pressure", k), partial(_pressure, pressed)
     if tables.gravity is not None:
         yield ("gravity",), partial(_load, tables.gravity)
     for key in ("spring", "cable", "dashpot", "point_mass", "rigid_body"):
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
+    for k, actuated in enumerate(tables.actuate):
+        yield ("actuate", k), partial(_actuate, actuated)
+    for k, tendon in enumerate(tables.tendon):
+        yield ("tendon", k), partial(_tendon, tendon)
+    for k, dragged in enumerate(tables.drag):
+        yield ("drag", k), partial(_drag, dragged)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -194,16 +202,40 @@ def _support(support: m.Support, model: Model) -> Model:
 
 
 def _load(load: m.Load, model: Model) -> Model:
-    value: VecOrFn = load.value if load.time is None else Scaled(load.value, load.time)
+    value: Any = timed(load.value, load.time)
     match load:
         case m.Force():
             return model.force(load.node, value, constant=load.constant, follower=load.follower)
         case m.Moment():
             return model.moment(load.node, value, constant=load.constant, follower=load.follower)
         case m.Distributed():
-            return model.distributed(load.rod, value, constant=load.constant)
+            return model.distributed(load.rod, value, constant=load.constant, follower=load.follower)
         case _:
             return model.gravity(value, constant=load.constant)
+
+
+def _pressure(load: m.Pressure, model: Model) -> Model:
+    value = timed(load.value, load.time)
+    return model.pressure(load.rod, value, width=load.width, along=load.along, constant=load.constant)
+
+
+def _actuate(table: m.Actuate, model: Model) -> Model:
+    parts = ((key, getattr(table, key)) for key in ("curvature", "twist", "elongation", "strain"))
+    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts if v is not None})
+
+
+def _tendon(table: m.Tendon, model: Model) -> Model:
+    tension = timed(table.tension, table.time)
+    if table.nodes is not None:
+        offset = table.offsets or ((0.0, 0.0, 0.0),) * len(table.nodes)
+        return model.tendon(table.nodes, tension, offset=offset, name=table.name, constant=table.constant)
+    offset = table.offset if table.offset_end is None else (table.offset, table.offset_end)
+    return model.tendon(table.rod or "", tension, offset=offset, name=table.name, constant=table.constant)
+
+
+def _drag(table: m.Drag, model: Model) -> Model:
+    flow = timed(table.flow, table.time)
+    return model.drag(table.rod, table.normal, table.tangential, flow=flow, constant=table.constant)
 
 
 def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import functions
 from directrix.discretisation import Discretisation
-from directrix.model import DOFS, Distributed, Force, Gravity, Moment, RigidVelocity
+from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import ArcLength, DisplacementControl, Statics
@@ -142,11 +143,14 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
                 what = f"moment on {load.node}"
             case Distributed():
                 what = f"force per length along {load.rod}"
+            case Pressure():
+                what = f"pressure on {load.rod}, {load.width:.6g} wide, along {load.along}"
             case Gravity():
                 what = "gravity"
         yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}" + (
-            ", turns with the node" if isinstance(load, Force | Moment) and load.follower else ""
+            ", turns with the node" if isinstance(load, Force | Moment | Distributed) and load.follower else ""
         )
+    yield from _driven(model)
     if model.prescribed:
         yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
     for p in model.prescribed:
@@ -160,15 +164,37 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
         )
 
 
+def _driven(model: Model) -> Iterator[str]:
+    for a in model.actuations:
+        parts = {"curvature": a.curvature, "twist": a.twist, "elongation": a.elongation, "strain": a.strain}
+        yield f"actuation of {a.rod}: " + "; ".join(f"{k} {_text(v)}" for k, v in parts.items() if v is not None)
+    for t in model.tendons:
+        along = f"along {t.along}" if isinstance(t.along, str) else f"through {' – '.join(t.along)}"
+        offset = repr(t.offset) if callable(t.offset) else ", ".join(_vector(o) for o in np.atleast_2d(t.offset))
+        yield f"tendon {t.name}: {along}, offset {offset}, tension {_text(t.tension)}{', constant' * t.constant}"
+    for d in model.drags:
+        flow = f", flow {_text(d.flow)}{', constant' * d.constant}"
+        yield f"drag on {d.rod}: normal {d.normal:.6g}, tangential {d.tangential:.6g}{flow}"
+
+
 def _text(value: object) -> str:
     """A vector or a function of time in words."""
     match value:
         case None:
             return "–"
-        case (float(), float(), float()):
+        case float():
+            return f"{value:.6g}"
+        case tuple():
             return _vector(np.array(value, float))
+        case functions.Ramp():
+            return f"{_text(value.value)} × ramp, t = {value.t0:g} … {value.t1:g}"
+        case functions.Harmonic():
+            wave = f"{_text(value.value)} × sin, frequency {value.frequency:g}, phase {value.phase:g}"
+            return wave + (f", about {_text(value.mean)}" if value.mean != 0.0 else "")
+        case functions.Table():
+            return f"table of {len(value.times)} values, t = {value.times[0]:g} … {value.times[-1]:g}"
         case Scaled():
-            return f"{_vector(np.array(value.value))} × {_text(value.factor)}"
+            return f"{_text(value.value)} × {_text(value.factor)}"
         case Rotated():
             return f"{_text(value.displacement)}, then turned about {_text(value.about)} by {_text(value.turn)}"
         case Table() | VectorTable():

@@ -197,9 +197,25 @@ class Moment(Load):
 
 
 class Distributed(Load):
-    """Dead force per reference length along a rod."""
+    """Force per reference length along a rod."""
 
     rod: Name
+    follower: bool = False
+    """It turns with the sections; ``value`` is then its direction in the reference."""
+
+
+class Pressure(Strict):
+    """Pressure on one side of a rod: value · width per reference length, along a director."""
+
+    rod: Name
+    value: float
+    width: Positive = 1.0
+    along: Literal["d1", "d2", "-d1", "-d2"] = "d1"
+    """The director that it pushes along; the force follows the section."""
+    time: Time | None = None
+    """Factor of time (statics: of the load factor, which multiplies the load as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: not multiplied by the load factor."""
 
 
 class Gravity(Load):
@@ -268,6 +284,72 @@ class Dashpot(Link):
     """Force proportional to the rate of length, in dynamics."""
 
     damping: Positive
+
+
+# --- what drives and resists
+
+
+Pair = tuple[float, float]
+
+
+class Actuate(Strict):
+    """Strain at which a rod is without stress; what is given adds up."""
+
+    rod: Name
+    curvature: Annotated[Pair, Field(strict=False)] | None = None
+    """Bending 1 and bending 2, about d1 and d2."""
+    twist: float | None = None
+    elongation: float | None = None
+    strain: Annotated[tuple[float, float, float, float, float, float], Field(strict=False)] | None = None
+    """Shear 1, shear 2, axial, bending 1, bending 2, torsion."""
+    time: Time | None = None
+    """Factor of time; statics ramps with the load factor unless given."""
+
+
+class Tendon(Strict):
+    """A tendon without friction along a rod or from node to node, of given tension."""
+
+    name: Name | None = None
+    """"tendon1", "tendon2", … unless given."""
+    rod: Name | None = None
+    """The rod that it goes along, through the ends of its elements."""
+    nodes: Annotated[tuple[Name, ...], Field(strict=False, min_length=2)] | None = None
+    """The nodes that it goes through."""
+    tension: NotNegative
+    offset: Annotated[Pair, Field(strict=False)] = (0.0, 0.0)
+    """Along a rod: distance from the axis along d1 and d2."""
+    offset_end: Annotated[Pair, Field(strict=False)] | None = None
+    """The same at the end of the rod, linear between; ``offset`` unless given."""
+    offsets: Vectors | None = None
+    """Through nodes: from each node to its point, in the reference."""
+    time: Time | None = None
+    """Factor of time (statics: of the load factor, which multiplies the tension as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: not multiplied by the load factor."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.rod is None) == (self.nodes is None):
+            raise refuse("a tendon needs either rod or nodes", "name the rod it goes along, or the nodes")
+        if self.offsets is not None and self.rod is not None:
+            raise refuse("offsets belong to nodes", "a tendon along a rod has offset and offset_end", "offsets")
+        return self
+
+
+class Drag(Strict):
+    """Quadratic drag of a fluid: −normal |v_n| v_n − tangential |v_t| v_t per reference length."""
+
+    rod: Name
+    normal: NotNegative
+    """½ ρ C_n d."""
+    tangential: NotNegative = 0.0
+    """½ ρ C_t π d."""
+    flow: Vector = (0.0, 0.0, 0.0)
+    """Velocity of the fluid."""
+    time: Time | None = None
+    """Factor on ``flow`` (statics: of the load factor, which multiplies it as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: the flow is not multiplied by the load factor."""
 
 
 class PointMass(Strict):
@@ -435,11 +517,15 @@ class CaseFile(Strict):
     force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
     moment: Annotated[tuple[Moment, ...], Field(strict=False)] = ()
     distributed: Annotated[tuple[Distributed, ...], Field(strict=False)] = ()
+    pressure: Annotated[tuple[Pressure, ...], Field(strict=False)] = ()
     gravity: Gravity | None = None
     velocity: Annotated[tuple[Velocity, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     cable: Annotated[tuple[Cable, ...], Field(strict=False)] = ()
     dashpot: Annotated[tuple[Dashpot, ...], Field(strict=False)] = ()
+    actuate: Annotated[tuple[Actuate, ...], Field(strict=False)] = ()
+    tendon: Annotated[tuple[Tendon, ...], Field(strict=False)] = ()
+    drag: Annotated[tuple[Drag, ...], Field(strict=False)] = ()
     point_mass: Annotated[tuple[PointMass, ...], Field(strict=False)] = ()
     rigid_body: Annotated[tuple[RigidBody, ...], Field(strict=False)] = ()
     rigid_velocity: RigidVelocity | None = None
