@@ -40,7 +40,7 @@ def refuse_loose(model: Model, names: dict[str, int], groups: Sequence[Group], f
         if names[node.name] not in used and not fixed[names[node.name]].all():
             raise ModelError(
                 f"nothing is attached to node {node.name!r}, which can move",
-                "give it a body, a link or a joint, or leave it out",
+                "give it a link, a joint or a support, in dynamics a body, or leave it out",
             )
     if not groups:
         raise ModelError(f"{model.name}: nothing in it can move", "add a rod, or a body on a node that is not held")
