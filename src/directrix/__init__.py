@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
@@ -33,6 +34,7 @@ __all__ = [
     "BucklingLoads",
     "ConvergenceError",
     "CrisfieldJelenic",
+    "Cylinder",
     "Directors",
     "DirectrixError",
     "DisplacementControl",
@@ -46,11 +48,13 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Plane",
     "Result",
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
     "Snapshot",
+    "Sphere",
     "Status",
     "TurningPoint",
     "arc",
@@ -68,6 +72,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),

@@ -8,8 +8,8 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from directrix.basis import gauss, lagrange
 from directrix.checks import shown, vector
 from directrix.errors import ModelError
+from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
 from directrix.groups import Group, attached_groups, layout_of, lumped_at_nodes, mesh_rod, parameters_of
 from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Vec
@@ -26,6 +27,7 @@ from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.scheme import Scheme
 from directrix.section import Section
+from directrix.touching import Near, Pairs, contact_states, near_of, obstacle_groups
 
 Array = NDArray[np.float64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
@@ -78,6 +80,18 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
+    spread: Mapping[str, tuple[Ints, Array]]
+    """Nodes of every rod, element by element, and the lengths that they stand for."""
+    near: Near | None
+    """Finds what rods may touch; the elements for it come and go."""
+
+    def touching(self, pairs: Pairs) -> Discretisation:
+        """The same with these pairs of rods in contact; then all nodes are unknowns of the system, to be coupled."""
+        assert self.near is not None
+        pushing = self.near.groups(pairs)
+        others = (g for g in self.groups if not isinstance(g.element, PairElement))
+        groups = (*(replace(g, condensed=not pushing) for g in others), *pushing)
+        return replace(self, groups=groups, pattern=_pattern(self.nodes, groups))
 
     @property
     def nodes(self) -> int:
@@ -147,6 +161,10 @@ class Discretisation:
             length = np.linalg.norm(second - first, axis=1)
             out[link.name] = np.stack([length, link.tension(length, *link.measures(places))], -1)
         return out
+
+    def contact_states(self, r: Array) -> dict[str, Array]:
+        """Smallest gap and sum of normal forces (nt, 2) of every contact, from positions (nt, n, 3)."""
+        return contact_states(self.model.contacts, self.model, self.spread, self.near, r)
 
     def initial_rates(self) -> tuple[Array, Array]:
         """Nodal velocities (n, 3) and angular velocities (n, 3) that the model asks for."""
@@ -278,6 +296,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     )
     lumped = lumped_at_nodes(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
     groups += attached_groups(model, scheme, names, np.array(positions))
+    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+    groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, spread, ends)), key=lambda g: not g.inside))
     mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
@@ -291,6 +311,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         _loads(model, names, spread),
         tuple(rod.section for rod in model.rods),
         lumped,
+        spread,
+        near_of(model, mesh, scheme),
     )
 
 

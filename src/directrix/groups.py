@@ -31,7 +31,8 @@ class Group:
     ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference.
 
     What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
-    holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others.
+    holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others; elements of
+    one node are ``inside`` when theirs is an interior one, and come before the rods then.
     """
 
     element: Element
@@ -44,10 +45,13 @@ class Group:
     lossy: bool = False
     grounded: bool = False
     condensed: bool = True
+    inside: bool = False
 
     @property
     def in_pattern(self) -> Ints:
-        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        """(ne, 0 … nn) nodes that are unknowns of the system."""
+        if self.condensed and self.inside:
+            return self.conn[:, :0]
         return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -12,11 +11,13 @@ from numpy.typing import NDArray
 from directrix.checks import number
 from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
+from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.kernels import step as kernel
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
 from directrix.scheme import Scheme
+from directrix.touching import Pairs, union
 
 Array = NDArray[np.float64]
 
@@ -71,9 +72,9 @@ class Newton:
     """
 
     def __init__(self, disc: Discretisation, scheme: Scheme, settings: Settings) -> None:
-        self.disc, self.scheme, self.settings = disc, scheme, settings
-        self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
-        self.globals = self.work.common
+        self.scheme, self.settings = scheme, settings
+        self.pairs: Pairs | None = None
+        self._use(disc)
         # the compiled loops read 0/1
         self.mask = disc.fixed.astype(np.uint8)
         self.options = np.array(
@@ -86,19 +87,60 @@ class Newton:
         self.origin: Array = np.zeros(3)
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
-    @cached_property
+    def _use(self, disc: Discretisation) -> None:
+        """Tables and workspace for ``disc``."""
+        self.disc = disc
+        self.tables, self.work = tables_for(disc, self.scheme), work_for(disc, self.scheme)
+        self.globals = self.work.common
+        self._sparse: BlockSparse | None = None
+        self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
+
+    @property
     def sparse(self) -> BlockSparse:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
-        return BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
+        if self._sparse is None:
+            self._sparse = BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
+        return self._sparse
+
+    def _look_around(self, x: Array) -> None:
+        """Take in what rods are about to touch at the state ``x``."""
+        near, r = self.disc.near, x[: self.disc.nodes, :3]
+        if near is not None and (self.pairs is None or near.outside(self.pairs, r, touching=False)):
+            self._bring(near.around(r))
+
+    def _bring(self, pairs: Pairs) -> None:
+        reaction = self.work.reaction
+        self.pairs = pairs
+        self._use(self.disc.touching(pairs))
+        self.work.reaction[:] = reaction
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
 
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
-        first, at the rotations as they are.
+        first, at the rotations as they are. A step at whose end rods touch that were not looked at is taken again
+        with them.
         """
+        near = self.disc.near
+        if near is None or self.pairs is None:
+            return self._balance(x, external, moved)
+        start, iterations = x.copy(), 0
+        while True:
+            outcome = self._balance(x, external, moved)
+            iterations += outcome.iterations
+            r = x[: self.disc.nodes, :3]
+            if outcome.status is not None or not near.outside(self.pairs, r, touching=True):
+                return Outcome(iterations, outcome.status)
+            self._bring(union(self.pairs, near.around(r)))
+            x[:] = start
+
+    def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
         start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
+        if self.rough and outcome.status is not None:
+            x[:] = start
+            again = self._by_softer_friction(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         if not self.scheme.static:  # a time step cannot be cut: it is tried again with other damping
             for turn in (self.settings.largest_turn, 0.1):
                 if outcome.status is None or outcome.status.code != "not_converged":
@@ -112,6 +154,27 @@ class Newton:
             x[:] = start
             outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
         return outcome
+
+    def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that jump to and fro between sticking and sliding: the slip speed comes down bit by bit."""
+        total, soft, ratio, good = 0, 1e3, 10.0, x.copy()
+        reached = np.inf
+        while True:
+            self.globals[SOFTENING] = soft
+            outcome = self._iterate(self.tables, x, external, moved and np.isinf(reached))
+            total += outcome.iterations
+            if outcome.status is None and soft == 0.0:
+                break
+            if outcome.status is None:
+                reached, good = soft, x.copy()
+            elif np.isinf(reached) or ratio < 1.2:
+                break
+            else:
+                ratio **= 0.5
+                x[:] = good
+            soft = reached / ratio if reached > 0.1 else 0.0
+        self.globals[SOFTENING] = 0.0
+        return Outcome(total, outcome.status)
 
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
         control = np.array([0, 0, int(moved), 0], np.int64)
@@ -172,6 +235,7 @@ class Newton:
 
     def applied(self, x: Array, external: Array) -> Array:
         """The loads (n, 6) of ``external`` as they act on ``x``, with followers turned."""
+        self._look_around(x)
         kernel.internal_forces(self.tables, self.work, x, self.globals, external)
         return self.work.applied.copy()
 
@@ -205,6 +269,7 @@ class Newton:
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""
+        self._look_around(x)
         kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, x, self.globals)
 
     def finish(self, x: Array, before: Array | None = None) -> Books:
@@ -247,6 +312,7 @@ class Newton:
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
+        self._look_around(x)
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.reaction[:] = 0.0

@@ -87,6 +87,7 @@ class Recorder:
             info={**about, **info},
             history=history,
             links=self.disc.link_states(r, rotation),
+            contacts=self.disc.contact_states(r),
         )
 
 

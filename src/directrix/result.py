@@ -205,6 +205,15 @@ class LinkHistory:
 
 
 @dataclass(frozen=True)
+class ContactHistory:
+    """A contact through the run, each (nt,): ``gap`` the smallest distance of surfaces, negative where they overlap
+    (infinite where rods are far apart), ``force`` the sum of the normal forces at the saved instants."""
+
+    gap: Array
+    force: Array
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything a run computed, at ``nt`` saved instants of ``n`` nodes.
 
@@ -226,6 +235,7 @@ class Result:
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
+    contacts : (nt, 2) smallest gap and sum of normal forces of each contact, by name; see :meth:`contact`
     history : (nt, rows, 12) what a formulation or a scheme carries beside the nodes, to go on with ``start=``; no rows
         for most
     turning_points : limit points of a path that was followed, in the order of the path
@@ -251,6 +261,7 @@ class Result:
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
 
     @cached_property
@@ -287,6 +298,12 @@ class Result:
         if name not in self.links:
             raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
         return LinkHistory(*self.links[name].T)
+
+    def contact(self, name: str) -> ContactHistory:
+        """History of one contact, by name; raises ModelError for an unknown one."""
+        if name not in self.contacts:
+            raise ModelError(f"there is no contact {name!r}", f"contacts: {', '.join(self.contacts) or 'none'}")
+        return ContactHistory(*self.contacts[name].T)
 
     def directors(self, name: str) -> Array:
         """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""

@@ -15,12 +15,12 @@ from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub,
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
-__all__ = ["AttachedLayout", "BodyElement", "LinkElement"]
+__all__ = ["Attached", "AttachedLayout", "BodyElement", "LinkElement", "attached_books", "length"]
 
 
 @dataclass(frozen=True)
 class AttachedLayout(Layout):
-    """One or two nodes and a plain list of ``size`` parameters; no stress points."""
+    """Some nodes and a plain list of ``size`` parameters; no stress points."""
 
     parameters: int = 0
 
@@ -31,11 +31,16 @@ class AttachedLayout(Layout):
 
 
 @dataclass(frozen=True)
-class _Attached:
-    """What links and bodies share: no history, no strains."""
+class Attached:
+    """What is attached to nodes: no history, no strains."""
 
     rates: Rates
     sampled = False
+
+    @property
+    def half(self) -> bool:
+        """True when the step balances at its middle."""
+        return self.rates not in (Rates.NONE, Rates.ALPHA)
 
     def rows(self, layout: Layout) -> int:
         """No history."""
@@ -47,7 +52,7 @@ class _Attached:
 
 
 @dataclass(frozen=True)
-class LinkElement(_Attached):
+class LinkElement(Attached):
     """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
 
     With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
@@ -71,15 +76,10 @@ class LinkElement(_Attached):
     def _step(self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """Lengths at x0 and x1, tension of the step from its energy."""
         _, d1, d0 = self._vectors(x, layout, p)
-        a, b = _length(d0), _length(d1)
+        a, b = length(d0), length(d1)
         if not self.half:
             return b, b, self._tension(b - p[7], b - p[7], p)
         return a, b, self._tension(a - p[7], b - p[7], p)
-
-    @property
-    def half(self) -> bool:
-        """True when the step balances at its middle."""
-        return self.rates not in (Rates.NONE, Rates.ALPHA)
 
     def _tension(self, e0: Scalar, e1: Scalar, p: Sequence[Scalar]) -> Scalar:
         """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with p = ½(e + √(e² + w²))."""
@@ -108,9 +108,9 @@ class LinkElement(_Attached):
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
-        e = _length(self._vectors(x, layout, p)[1]) - p[7]
+        e = length(self._vectors(x, layout, p)[1]) - p[7]
         ramp = 0.5 * (e + (e * e + p[9] * p[9]) ** 0.5) if self.cable else e
-        return _books(layout, 0.5 * p[6] * ramp * ramp, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
+        return attached_books(layout, 0.5 * p[6] * ramp * ramp, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What the dashpot took in the step: c Δℓ²/Δt."""
@@ -119,7 +119,7 @@ class LinkElement(_Attached):
 
 
 @dataclass(frozen=True)
-class BodyElement(_Attached):
+class BodyElement(Attached):
     """A rigid body (an :class:`Element` of one node); parameters: mass, Euler tensor E by its upper triangle.
 
     Its momenta are m ṙ and E_ij Ṙ e_j on the columns R e_i, so M is constant as for the rods.
@@ -153,10 +153,10 @@ class BodyElement(_Attached):
         momentum, spins = scale(p[0], n.v), _euler_times(p, n.rate)
         kinetic = 0.5 * dot(momentum, n.v) + 0.5 * sum(dot(s, c) for s, c in zip(spins, n.rate, strict=True))
         angular = add(cross(n.r, momentum), *(cross(axis, s) for axis, s in zip(n.R, spins, strict=True)))
-        return _books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+        return attached_books(layout, 0.0 * kinetic, kinetic, momentum, angular)
 
 
-def _length(d: Vector) -> Scalar:
+def length(d: Vector) -> Scalar:
     """|d|; a link of no length has no direction, and no force either."""
     return (dot(d, d) + 1e-300) ** 0.5
 
@@ -167,7 +167,7 @@ def _euler_times(p: Sequence[Scalar], v: Sequence[Vector]) -> list[Vector]:
     return [add(*(scale(p[place[min(i, j), max(i, j)]], v[j]) for j in range(3))) for i in range(3)]
 
 
-def _books(
+def attached_books(
     layout: Layout, stored: Scalar, kinetic: Scalar, linear: Sequence[Scalar], angular: Sequence[Scalar]
 ) -> list[Scalar]:
     """In the order of :meth:`Element.audit`; what is attached does not turn between its nodes."""

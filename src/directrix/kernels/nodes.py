@@ -34,7 +34,7 @@ def nodal_terms(tables, work, x, g, external):
             internal[node, i] = 0.0
             applied[node, i] = external[node, i]
             follows = follows or external[node, 6 + i] != 0.0
-    if not follows and tables.rates != DISSIPATIVE:
+    if not follows and not tables.inside and tables.rates != DISSIPATIVE:
         return False
     work.node_block[:] = 0.0
     if follows:

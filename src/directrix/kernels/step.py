@@ -87,7 +87,7 @@ def spread(tables, work):
         head = tables.head[group]
         nn = head[NN]
         m = 6 * (nn - 2)
-        for e in range(head[COUNT] if nn > head[UNKNOWN] else 0):
+        for e in range(head[COUNT] if nn > 2 and nn > head[UNKNOWN] else 0):
             conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
             back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
             for i in range(m):

@@ -42,6 +42,7 @@ class Tables(NamedTuple):
     rates: int
     half: bool
     carried: bool
+    inside: bool
     lumped: Array
     damping: Array
 
@@ -141,6 +142,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
+        any(g.inside and g.condensed for g in disc.groups),
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         _damping(disc, scheme),
     )

@@ -223,10 +223,11 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         root.create_dataset(name, data=json.dumps(value, default=_plain))
     for name in (*HISTORIES, "history"):
         _put(root, name, getattr(result, name))
-    group = root.create_group("links")
-    for k, (name, values) in enumerate(result.links.items()):
-        _put(group, str(k), values)
-        group[str(k)].attrs["name"] = name
+    for kind in ("links", "contacts"):
+        group = root.create_group(kind)
+        for k, (name, values) in enumerate(getattr(result, kind).items()):
+            _put(group, str(k), values)
+            group[str(k)].attrs["name"] = name
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
         for key in fields(value):
@@ -265,7 +266,8 @@ def _read_result(root: Any) -> Result:
         name=text("name"),
         mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes),
         **{name: root[name][()] for name in HISTORIES},
-        links=_read_links(root["links"]) if "links" in root else {},
+        links=_read_named(root["links"]) if "links" in root else {},
+        contacts=_read_named(root["contacts"]) if "contacts" in root else {},
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
@@ -277,7 +279,7 @@ def _read_result(root: Any) -> Result:
     )
 
 
-def _read_links(group: Any) -> dict[str, Array]:
+def _read_named(group: Any) -> dict[str, Array]:
     ordered = [group[str(k)] for k in range(len(group))]
     return {str(data.attrs["name"]): data[()] for data in ordered}
 
