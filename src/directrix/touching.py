@@ -41,7 +41,7 @@ def _group(element: ObstacleElement | PairElement, conn: Ints, parameters: Array
     nothing: Ints = np.zeros(count, np.int64)
     return Group(
         element, layout, conn, parameters, nothing, np.zeros((count, 0)), (touch.where,) * count, element.rough,
-        isinstance(element, ObstacleElement), inside=inside,
+        isinstance(element, ObstacleElement), isinstance(element, ObstacleElement), inside,
     )  # fmt: skip
 
 
