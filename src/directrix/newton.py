@@ -128,11 +128,21 @@ class Newton:
         while True:
             outcome = self._balance(x, external, moved)
             iterations += outcome.iterations
-            r = x[: self.disc.nodes, :3]
-            if outcome.status is not None or not near.outside(self.pairs, r, touching=True):
+            if outcome.status is not None:
                 return Outcome(iterations, outcome.status)
+            r = x[: self.disc.nodes, :3]
+            if not near.outside(self.pairs, r, touching=True):
+                at = near.crossed(r - x[: self.disc.nodes, 12:15], r)
+                return Outcome(iterations, None if at < 0 else self._crossed(at))
             self._bring(union(self.pairs, near.around(r)))
             x[:] = start
+
+    def _crossed(self, node: int) -> Status:
+        return Status(
+            "not_converged",
+            f"rods passed through one another in one step, at {self.disc.mesh.label(node)}.",
+            "Take smaller steps: none should move a rod by its radius. Or raise the stiffness of the contact.",
+        )
 
     def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
         start = x.copy()

@@ -158,11 +158,27 @@ class _Side:
 
     def distances(self, r: Array, point: Ints, other: Ints) -> tuple[Array, Array]:
         """Distances of points from pieces, and from the ends of the pieces."""
+        near, end = self._shortest(r, point, other)
+        return np.linalg.norm(near, axis=1), np.linalg.norm(end, axis=1)
+
+    def _shortest(self, r: Array, point: Ints, other: Ints) -> tuple[Array, Array]:
+        """Vectors to points from the nearest places of pieces, and from the ends of the pieces."""
         piece, place, _ = self.points
         at, ends = _on(r[self.pieces.nodes[piece[point]]], place[point]), r[self.pieces.nodes[other]]
         y, u = at - ends[:, 0], ends[:, 1] - ends[:, 0]
         t = np.clip(np.sum(y * u, axis=1) / np.maximum(np.sum(u * u, axis=1), 1e-300), 0.0, 1.0)
-        return np.linalg.norm(y - t[:, None] * u, axis=1), np.linalg.norm(y - u, axis=1)
+        return y - t[:, None] * u, y - u
+
+    def crossed(self, before: Array, after: Array) -> int:
+        """A node where rods passed through one another between two positions (n, 3), or −1.
+
+        Where they did, the shortest way from one to the other turned round.
+        """
+        motion = 2.0 * float(np.linalg.norm(after - before, axis=1).max())
+        point, other = np.divmod(self.pairs(before, motion), len(self.pieces.nodes))
+        first, second = (self._shortest(r, point, other)[0] for r in (before, after))
+        bad = np.flatnonzero(np.sum(first * second, axis=1) < 0.0)
+        return int(self.pieces.nodes[other[bad[0]], 0]) if len(bad) else -1
 
     def parameters(self, pairs: Ints) -> tuple[Ints, Array]:
         """Nodes (ne, 4) and parameters (ne, 8) of :class:`PairElement`."""
@@ -210,6 +226,10 @@ class Near:
             not np.isin(side.pairs(r, 0.0 if touching else LEAST * side.reach), known, assume_unique=True).all()
             for side, known in zip(self.sides, pairs, strict=True)
         )
+
+    def crossed(self, before: Array, after: Array) -> int:
+        """See :meth:`_Side.crossed`."""
+        return max(side.crossed(before, after) for side in self.sides)
 
     def groups(self, pairs: Pairs) -> tuple[Group, ...]:
         """Elements for ``pairs``."""
