@@ -80,7 +80,7 @@ class Newton:
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"), 1.0,
+                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf,
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
@@ -151,6 +151,10 @@ class Newton:
             x[:] = start
             again = self._by_softer_friction(x, external, moved)
             outcome = Outcome(outcome.iterations + again.iterations, again.status)
+        if self.disc.near is not None and outcome.status is not None:
+            x[:] = start
+            again = self._by_small_moves(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         if not self.scheme.static:  # a time step cannot be cut: it is tried again with other damping
             for turn in (self.settings.largest_turn, 0.1):
                 if outcome.status is None or outcome.status.code != "not_converged":
@@ -185,6 +189,15 @@ class Newton:
             soft = reached / ratio if reached > 0.1 else 0.0
         self.globals[SOFTENING] = 0.0
         return Outcome(total, outcome.status)
+
+    def _by_small_moves(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that throw rods far beyond where they touch: none may move them by more than part of a radius."""
+        assert self.disc.near is not None
+        usual = self.options.copy()
+        self.options[[5, 7, 8]] = 4.0 * self.settings.iterations, 0.0, 0.2 * self.disc.near.reach
+        outcome = self._iterate(self.tables, x, external, moved)
+        self.options[:] = usual
+        return outcome
 
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
         control = np.array([0, 0, int(moved), 0], np.int64)

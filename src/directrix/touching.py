@@ -216,6 +216,11 @@ class Near:
 
     sides: tuple[_Side, ...]
 
+    @cached_property
+    def reach(self) -> float:
+        """Smallest radius, twice."""
+        return 2.0 * min(float(side.pieces.radius.min()) for side in self.sides)
+
     def around(self, r: Array) -> Pairs:
         """Pairs to take into account from the positions ``r`` (n, 3) on."""
         return tuple(side.pairs(r, SKIN * side.reach) for side in self.sides)

@@ -98,11 +98,11 @@ def spread(tables, work):
 
 
 @compiled
-def move(step, x, frozen, cayley, limit):
+def move(step, x, frozen, cayley, limit, far=np.inf):
     """Add the increments ``step`` (n, 6) to the nodes of ``x``; largest displacement and turn.
 
-    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
-    value that is not finite, or −1.
+    If a node would turn by more than ``limit``, or move further than ``far``, everything is scaled down to that. Node
+    of the first value that is not finite, or −1.
     """
     moved, turned = 0.0, 0.0
     for node in range(step.shape[0]):
@@ -114,6 +114,8 @@ def move(step, x, frozen, cayley, limit):
         moved, turned = max(moved, d2), max(turned, t2)
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
+    if factor * moved > far:
+        factor = far / moved
     q, t = np.empty((3, 3)), np.empty(3)
     for node in range(step.shape[0]):
         for i in range(3):
@@ -132,10 +134,10 @@ def move(step, x, frozen, cayley, limit):
 
 
 @compiled
-def advance(tables, work, x, frozen, cayley, limit):
+def advance(tables, work, x, frozen, cayley, limit, far=np.inf):
     """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
     spread(tables, work)
-    return move(work.step, x, frozen, cayley, limit)
+    return move(work.step, x, frozen, cayley, limit, far)
 
 
 @inner
@@ -173,7 +175,7 @@ def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
-    whether the positions are solved for by themselves after a large turn.
+    whether the positions are solved for by themselves after a large turn, largest displacement per iteration.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -197,7 +199,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 return SINGULAR
         control[PHASE] = 0
         frozen = control[FROZEN] == 1
-        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit)
+        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit, options[8])
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE
