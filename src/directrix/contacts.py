@@ -15,7 +15,18 @@ from directrix.section import Section
 
 Array = NDArray[np.float64]
 
-__all__ = ["Contact", "Cylinder", "Obstacle", "Plane", "RodContact", "Sphere", "Touch", "force_per_length", "named_rods", "round_radius"]
+__all__ = [
+    "Contact",
+    "Cylinder",
+    "Obstacle",
+    "Plane",
+    "RodContact",
+    "Sphere",
+    "Touch",
+    "force_per_length",
+    "named_rods",
+    "round_radius",
+]
 
 
 def _unit(value: Any, what: str) -> Vec:

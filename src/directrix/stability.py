@@ -25,6 +25,7 @@ from directrix.newton import Newton, Settings
 from directrix.result import Mesh, Result
 from directrix.scheme import Rates, Scheme
 from directrix.state import initial_state
+from directrix.touching import refuse_rod_contacts
 
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
@@ -185,6 +186,8 @@ class _System:
             raise ModelError("about= is not an equilibrium", "give what solve_static returned", "about=")
         if about is not None and not about.success:
             raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
+        if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+            refuse_rod_contacts(model, "small motions are about one system")
         self.scheme = AT_REST
         self.disc: Discretisation = discretise(model if dynamic else _with_mass(model), self.scheme)
         if np.any(self.disc.external(1.0)[:, 6:]):

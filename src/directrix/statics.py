@@ -24,6 +24,7 @@ from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status, TurningPoint
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
+from directrix.touching import refuse_rod_contacts
 
 Array = NDArray[np.float64]
 
@@ -98,6 +99,8 @@ def solve_static(
             "follow it with dx.Directors() or dx.CrisfieldJelenic()",
             "formulation=",
         )
+    if control is not None and isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+        refuse_rod_contacts(model, "a path with a control has its system of equations for good", "control=")
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)

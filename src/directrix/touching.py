@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from directrix.basis import gauss
 from directrix.contacts import Contact, Plane, RodContact, Touch, force_per_length
@@ -29,7 +29,7 @@ Ints = NDArray[np.int64]
 Pairs = tuple[Ints, ...]
 """Per contact of rods the pairs in it, point · pieces + piece, in ascending order."""
 
-__all__ = ["Near", "Pairs", "contact_states", "near_of", "obstacle_groups", "union"]
+__all__ = ["Near", "Pairs", "contact_states", "near_of", "obstacle_groups", "refuse_rod_contacts", "union"]
 
 SKIN = 0.5  # of the reach: pairs are taken in from here on
 LEAST = 0.1  # of the reach: with any pair nearer than this not in it, the set is made anew
@@ -143,7 +143,7 @@ class _Side:
         ends = r[self.pieces.nodes]
         at = _on(ends[piece], place)
         half = 0.5 * float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
-        tree = cKDTree(ends.mean(axis=1))
+        tree = KDTree(ends.mean(axis=1))
         found = tree.query_ball_point(at, self.reach + margin + half)
         count = np.array([len(k) for k in found])
         point = np.repeat(np.arange(len(at)), count)
@@ -277,6 +277,16 @@ def near_of(model: Model, mesh: Mesh, scheme: Scheme) -> Near | None:
         together = _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
         sides.append(_Side(touch, PairElement(scheme.rates, _rough(touch, scheme)), together, member, tuple(joints)))
     return Near(tuple(sides))
+
+
+def refuse_rod_contacts(model: Model, why: str, where: str = "") -> None:
+    """Raise ModelError when rods may touch one another: their pairs, and the system with them, come and go."""
+    for touch in model.rod_contacts:
+        raise ModelError(
+            f"{touch.where} brings rods together and parts them, and {why}",
+            "use load control or dx.simulate, or leave the contact of rods out",
+            where,
+        )
 
 
 def contact_states(

@@ -16,7 +16,6 @@ from directrix.formulations.attached import Attached, attached_books, length
 from directrix.formulations.layout import Layout, Scalar, Vector
 from directrix.formulations.so3 import add, cayley_vector, relative, scale, sub
 from directrix.kernels.trace import cross, dot
-from directrix.scheme import Rates
 
 __all__ = ["SOFTENING", "ObstacleElement", "PairElement"]
 
@@ -60,9 +59,7 @@ class _Friction:
     lost: Scalar
 
 
-def _rub(
-    slip: Vector, normal: Vector, pressure: Scalar, mu: Scalar, slow: Scalar, g: Sequence[Scalar]
-) -> _Friction:
+def _rub(slip: Vector, normal: Vector, pressure: Scalar, mu: Scalar, slow: Scalar, g: Sequence[Scalar]) -> _Friction:
     """Friction for relative displacements ``slip`` of a step; only what is tangential counts."""
     along = sub(slip, scale(dot(slip, normal), normal))
     v = scale(g[1], along)

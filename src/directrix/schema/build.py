@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
@@ -111,6 +112,9 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     for key in ("spring", "cable", "dashpot", "point_mass", "rigid_body"):
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
+    for key in ("contact", "self_contact", "contact_between"):
+        for k, table in enumerate(getattr(tables, key)):
+            yield (key, k), partial(_touch, key, table)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -211,6 +215,14 @@ def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
     given = dict(_given(table))
     if "mass" in given and kind == "point_mass":
         given["m"] = given.pop("mass")
+    return getattr(model, kind)(**given)
+
+
+def _touch(kind: str, table: m.Touch, model: Model) -> Model:
+    given = dict(_given(table))
+    if isinstance(table, m.Contact):
+        surface = {"plane": Plane, "sphere": Sphere, "cylinder": Cylinder}[table.obstacle.kind]
+        given["obstacle"] = surface(**_given(table.obstacle))
     return getattr(model, kind)(**given)
 
 
