@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import gauss, lagrange
-from directrix.checks import shown, vector
+from directrix.checks import number, shown, vector
 from directrix.errors import ModelError
 from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
 from directrix.groups import Group, attached_groups, layout_of, lumped_at_nodes, mesh_rod, parameters_of
+from directrix.joint_groups import joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
@@ -68,7 +69,8 @@ class Pattern(NamedTuple):
 @dataclass(frozen=True)
 class Discretisation:
     """Everything the solvers read. ``fixed`` (n, 6) marks components held by supports or prescribed motion;
-    ``prescribed`` pairs a node with its displacement and rotation functions."""
+    ``prescribed`` pairs a node with its displacement and rotation functions, ``driven`` a joint with that of its
+    coordinate. Behind the nodes the unknowns have a row for every joint."""
 
     model: Model
     mesh: Mesh
@@ -76,6 +78,7 @@ class Discretisation:
     pattern: Pattern
     fixed: NDArray[np.bool_]
     prescribed: tuple[Prescribed, ...]
+    driven: tuple[tuple[int, Callable[[float], float]], ...]
     loads: tuple[LoadTerm, ...]
     sections: tuple[Section, ...]
     lumped: Array
@@ -90,13 +93,25 @@ class Discretisation:
         assert self.near is not None
         pushing = self.near.groups(pairs)
         others = (g for g in self.groups if not isinstance(g.element, PairElement))
-        groups = (*(replace(g, condensed=not pushing) for g in others), *pushing)
-        return replace(self, groups=groups, pattern=_pattern(self.nodes, groups))
+        # whether interior nodes are condensed is a matter of rods, and of what sits on their interior nodes
+        kept = (replace(g, condensed=not pushing) if g.inside or not g.names else g for g in others)
+        groups = (*kept, *pushing)
+        return replace(self, groups=groups, pattern=_pattern(self.rows, groups))
 
     @property
     def nodes(self) -> int:
         """Number of nodes."""
         return len(self.mesh.r0)
+
+    @property
+    def rows(self) -> int:
+        """Number of nodes and joints."""
+        return self.nodes + len(self.model.joints)
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """(rows, 6) components that are no unknowns: fixed ones, and multipliers that a joint does not have."""
+        return np.concatenate([self.fixed, unused(self.model.joints)])
 
     @property
     def elements(self) -> int:
@@ -110,8 +125,10 @@ class Discretisation:
 
     @cached_property
     def length(self) -> float:
-        """Size of the model, the diagonal of its box."""
-        return float(np.linalg.norm(np.ptp(self.mesh.r0, axis=0)))
+        """Size of the model, the diagonal of its box; joints on the ground count where there are nodes alone."""
+        places = {name: self.mesh.r0[k] for name, k in self.mesh.node_names.items()}
+        grounded = [joint.place(places) for joint in self.model.joints if joint.b is None and not self.model.rods]
+        return float(np.linalg.norm(np.ptp([*self.mesh.r0, *grounded], axis=0))) or 1.0
 
     def element_place(self, element: int) -> str:
         """ "rod 'mid', element 3": where an element (numbered through the groups) is."""
@@ -128,11 +145,12 @@ class Discretisation:
         return f"element {element}"
 
     def external(self, t: float, factor: float = 1.0) -> Array:
-        """Loads (n, 12) at time t: forces and moments, then those that turn with their node, in its frame.
+        """Loads (rows, 12) at time t: forces and moments, then those that turn with their node, in its frame, or the
+        drive of a joint.
 
         Those not marked constant are multiplied by ``factor``.
         """
-        out = np.zeros((self.nodes, 12))
+        out = np.zeros((self.rows, 12))
         for load in self.loads:
             value = load.value(t) * (1.0 if load.constant else factor)
             np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights[:, None] * value)
@@ -144,7 +162,7 @@ class Discretisation:
             section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
             for r, section in zip(self.mesh.rods, self.sections, strict=True)
         ]
-        return np.concatenate(parts, axis=-2)
+        return np.concatenate([strain[..., :0, :], *parts], axis=-2)
 
     def link_states(self, r: Array, R: Array) -> dict[str, Array]:
         """Length and elastic tension (nt, 2) of every link, from positions (nt, n, 3) and rotations (nt, n, 3, 3)."""
@@ -250,8 +268,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
     model.check(**({"dynamic": True} if dynamic else {"static": True}))
-    names: dict[str, int] = {}
-    positions: list[Array] = []
+    positions: list[Array] = [np.array(node.at) for node in model.nodes]
+    names = {node.name: k for k, node in enumerate(model.nodes)}
     rods: list[RodMesh] = []
     notes: list[str] = []
     by_layout: dict[Layout, list[tuple[Ints, Array, Ints, Array]]] = {}
@@ -295,20 +313,23 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         for layout, parts in by_layout.items()
     )
     lumped = lumped_at_nodes(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
-    groups += attached_groups(model, scheme, names, np.array(positions))
+    carried = scheme.static and any(g.element.rows(g.layout) for g in groups)
+    r0 = np.array(positions)
+    groups += attached_groups(model, scheme, names, r0) + joint_groups(model.joints, scheme, names, r0, carried)
     ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
     groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, spread, ends)), key=lambda g: not g.inside))
-    mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
     return Discretisation(
         model,
         mesh,
         groups,
-        _pattern(n, groups),
+        _pattern(n + len(model.joints), groups),
         fixed,
         prescribed,
-        _loads(model, names, spread),
+        _driven(model, dynamic),
+        (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
         spread,
@@ -334,6 +355,48 @@ def _supports(
             functions.append(None if value is None else _as_function(value, not dynamic, what))
         prescribed.append((k, functions[0], functions[1]))
     return fixed, tuple(prescribed)
+
+
+def _driven(model: Model, dynamic: bool) -> tuple[tuple[int, Callable[[float], float]], ...]:
+    out: list[tuple[int, Callable[[float], float]]] = []
+    for j, joint in enumerate(model.joints):
+        if joint.prescribed is not None:
+            out.append(
+                (j, _scalar(joint.prescribed, not dynamic, f"the prescribed coordinate of joint {joint.name!r}"))
+            )
+    return tuple(out)
+
+
+def _scalar(value: float | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], float]:
+    if not callable(value):
+        given = number(value, what)
+        return (lambda t: t * given) if ramp else (lambda t: given)
+
+    def checked(t: float) -> float:
+        try:
+            out = value(t)
+        except Exception as error:  # whatever a user's function raises
+            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return a number for every t") from error
+        return number(out, f"{what} at t = {t:.6g}")
+
+    return checked
+
+
+def _drives(model: Model, n: int) -> list[LoadTerm]:
+    """Drives of joints as loads in the first column of the followers."""
+    terms: list[LoadTerm] = []
+    for j, joint in enumerate(model.joints):
+        if joint.drive is None:
+            continue
+        what = f"the drive of joint {joint.name!r}"
+        value = _scalar(joint.drive, False, what)
+        terms.append(
+            LoadTerm(
+                6, np.array([n + j]), np.ones(1), lambda t, f=value: np.array([f(t), 0.0, 0.0]), False,
+                callable(joint.drive), what,
+            )
+        )  # fmt: skip
+    return terms
 
 
 def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:

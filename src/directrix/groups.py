@@ -32,7 +32,8 @@ class Group:
 
     What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
     holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others; elements of
-    one node are ``inside`` when theirs is an interior one, and come before the rods then.
+    one node are ``inside`` when theirs is an interior one, and come before the rods then. The last nodes of a
+    ``jointed`` one are rows of multipliers.
     """
 
     element: Element
@@ -46,6 +47,7 @@ class Group:
     grounded: bool = False
     condensed: bool = True
     inside: bool = False
+    jointed: bool = False
 
     @property
     def in_pattern(self) -> Ints:

@@ -48,13 +48,13 @@ class Recorder:
             (
                 scalars, r.copy(), rotations[0], x[:n, 24:27].copy(), rotations[1],
                 books.reaction.copy(), books.strains.copy(), books.totals.copy(),
-                x[n:, :HISTORY].copy(),
+                x[n:, :HISTORY].copy(), books.joints[:, :6].copy(),
             )
         )  # fmt: skip
 
     def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
         """Everything saved so far as a Result."""
-        scalars, r, rotation, v, rates, reaction, strain, totals, history = (
+        scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
         about = {
@@ -86,6 +86,7 @@ class Recorder:
             audit=audit,
             info={**about, **info},
             history=history,
+            joints=joints,
             links=self.disc.link_states(r, rotation),
             contacts=self.disc.contact_states(r),
         )

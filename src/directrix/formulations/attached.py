@@ -15,7 +15,7 @@ from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub,
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
-__all__ = ["Attached", "AttachedLayout", "BodyElement", "LinkElement", "attached_books", "length"]
+__all__ = ["Attached", "AttachedLayout", "BodyElement", "LinkElement", "books", "discrete_ramp", "length", "ramp"]
 
 
 @dataclass(frozen=True)
@@ -32,15 +32,10 @@ class AttachedLayout(Layout):
 
 @dataclass(frozen=True)
 class Attached:
-    """What is attached to nodes: no history, no strains."""
+    """What links, bodies, joints and contacts share: no history, no strains."""
 
     rates: Rates
     sampled = False
-
-    @property
-    def half(self) -> bool:
-        """True when the step balances at its middle."""
-        return self.rates not in (Rates.NONE, Rates.ALPHA)
 
     def rows(self, layout: Layout) -> int:
         """No history."""
@@ -49,6 +44,11 @@ class Attached:
     def reference(self, layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
         """No strains."""
         return []
+
+    @property
+    def half(self) -> bool:
+        """True when the step balances at its middle."""
+        return self.rates not in (Rates.NONE, Rates.ALPHA)
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,10 @@ class LinkElement(Attached):
         return a, b, self._tension(a - p[7], b - p[7], p)
 
     def _tension(self, e0: Scalar, e1: Scalar, p: Sequence[Scalar]) -> Scalar:
-        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with p = ½(e + √(e² + w²))."""
+        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with the ramp p."""
         if not self.cable:
             return 0.5 * p[6] * (e0 + e1)
-        q0, q1 = (e0 * e0 + p[9] * p[9]) ** 0.5, (e1 * e1 + p[9] * p[9]) ** 0.5
-        ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
-        return 0.25 * p[6] * ramps * (1.0 + (e0 + e1) / (q0 + q1))
+        return p[6] * discrete_ramp(e0, e1, p[9])
 
     def step(
         self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
@@ -109,8 +107,8 @@ class LinkElement(Attached):
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
         e = length(self._vectors(x, layout, p)[1]) - p[7]
-        ramp = 0.5 * (e + (e * e + p[9] * p[9]) ** 0.5) if self.cable else e
-        return attached_books(layout, 0.5 * p[6] * ramp * ramp, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
+        pulled = ramp(e, p[9]) if self.cable else e
+        return books(layout, 0.5 * p[6] * pulled * pulled, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What the dashpot took in the step: c Δℓ²/Δt."""
@@ -153,7 +151,19 @@ class BodyElement(Attached):
         momentum, spins = scale(p[0], n.v), _euler_times(p, n.rate)
         kinetic = 0.5 * dot(momentum, n.v) + 0.5 * sum(dot(s, c) for s, c in zip(spins, n.rate, strict=True))
         angular = add(cross(n.r, momentum), *(cross(axis, s) for axis, s in zip(n.R, spins, strict=True)))
-        return attached_books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+        return books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+
+
+def ramp(e: Scalar, width: Scalar) -> Scalar:
+    """p(e) = ½(e + √(e² + w²)): 0 below, e above, smooth over the width w."""
+    return 0.5 * (e + (e * e + width * width) ** 0.5)
+
+
+def discrete_ramp(e0: Scalar, e1: Scalar, width: Scalar) -> Scalar:
+    """½ Δ(p²)/Δe without a difference, p p' for e0 = e1."""
+    q0, q1 = (e0 * e0 + width * width) ** 0.5, (e1 * e1 + width * width) ** 0.5
+    ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
+    return 0.25 * ramps * (1.0 + (e0 + e1) / (q0 + q1))
 
 
 def length(d: Vector) -> Scalar:
@@ -167,7 +177,7 @@ def _euler_times(p: Sequence[Scalar], v: Sequence[Vector]) -> list[Vector]:
     return [add(*(scale(p[place[min(i, j), max(i, j)]], v[j]) for j in range(3))) for i in range(3)]
 
 
-def attached_books(
+def books(
     layout: Layout, stored: Scalar, kinetic: Scalar, linear: Sequence[Scalar], angular: Sequence[Scalar]
 ) -> list[Scalar]:
     """In the order of :meth:`Element.audit`; what is attached does not turn between its nodes."""

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
-from directrix.formulations.attached import Attached, attached_books, length
+from directrix.formulations.attached import Attached, books, length
 from directrix.formulations.layout import Layout, Scalar, Vector
 from directrix.formulations.so3 import add, cayley_vector, relative, scale, sub
 from directrix.kernels.trace import cross, dot
@@ -124,7 +124,7 @@ class ObstacleElement(Attached):
         """See :class:`Element`: the stored energy."""
         (n,) = rot.nodes(layout, x)
         stored = _energy(-1.0 * self._gap(sub(n.r, p[0:3]), p)[0], p[9], p[10])
-        return attached_books(layout, stored, 0.0 * stored, [0.0 * stored] * 3, [0.0 * stored] * 3)
+        return books(layout, stored, 0.0 * stored, [0.0 * stored] * 3, [0.0 * stored] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What friction took in the step."""
@@ -253,7 +253,7 @@ class PairElement(Attached):
         u = sub(b2.r, b1.r)
         near = length(sub(y, scale(self._nearest(y, u), u)))
         stored = _energy(p[2] - near, p[1], p[3]) - p[5] * _energy(p[2] - length(sub(y, u)), p[1], p[3])
-        return attached_books(layout, stored, 0.0 * stored, [0.0 * stored] * 3, [0.0 * stored] * 3)
+        return books(layout, stored, 0.0 * stored, [0.0 * stored] * 3, [0.0 * stored] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What friction took in the step."""

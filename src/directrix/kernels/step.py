@@ -15,6 +15,7 @@ from directrix.kernels.elements import (
     COUNT,
     NN,
     UNKNOWN,
+    acts,
     assemble,
     books,
     commit,
@@ -98,8 +99,9 @@ def spread(tables, work):
 
 
 @compiled
-def move(step, x, frozen, cayley, limit, far=np.inf):
-    """Add the increments ``step`` (n, 6) to the nodes of ``x``; largest displacement and turn.
+def move(step, nodes, x, frozen, cayley, limit, far=np.inf):
+    """Add the increments ``step`` (≥ n, 6) to the ``nodes`` of ``x`` and to the multipliers behind them; largest
+    displacement and turn.
 
     If a node would turn by more than ``limit``, or move further than ``far``, everything is scaled down to that. Node
     of the first value that is not finite, or −1.
@@ -111,13 +113,17 @@ def move(step, x, frozen, cayley, limit, far=np.inf):
         t2 = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
         if not (d2 + t2 < 1e300):
             return moved, turned, node
-        moved, turned = max(moved, d2), max(turned, t2)
+        if node < nodes:
+            moved, turned = max(moved, d2), max(turned, t2)
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
     if factor * moved > far:
         factor = far / moved
     q, t = np.empty((3, 3)), np.empty(3)
-    for node in range(step.shape[0]):
+    for node in range(nodes, step.shape[0]):
+        for i in range(6):
+            x[node, i] += factor * step[node, i]
+    for node in range(nodes):
         for i in range(3):
             x[node, i] += factor * step[node, i]
             x[node, 12 + i] += factor * step[node, i]
@@ -137,21 +143,22 @@ def move(step, x, frozen, cayley, limit, far=np.inf):
 def advance(tables, work, x, frozen, cayley, limit, far=np.inf):
     """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
     spread(tables, work)
-    return move(work.step, x, frozen, cayley, limit, far)
+    return move(work.step, tables.nodes, x, frozen, cayley, limit, far)
 
 
 @inner
 def carry(tables, work, x, g):
     """Write the history after an iteration: rotations count from here on from R1 (in the place of R0)."""
     commit(tables, work, x, g)
-    for node in range(work.applied.shape[0]):
+    for node in range(tables.nodes):
         for i in range(9):
             x[node, 15 + i] = x[node, 3 + i]
 
 
 @compiled
-def imbalance(work, mask, tolerance, floor):
-    """Largest unbalanced force or moment over what is allowed, and its node."""
+def imbalance(nodes, work, mask, tolerance, floor, length):
+    """Largest unbalanced force or moment over what is allowed, and its node; behind the ``nodes`` constraints, which
+    may be off by 1e-12 of the ``length`` of the model."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(applied.shape[0]):
@@ -164,7 +171,10 @@ def imbalance(work, mask, tolerance, floor):
     for node in range(applied.shape[0]):
         for i in range(6):
             if not mask[node, i]:
-                off = abs(work.internal[node, i] - applied[node, i]) / (allowed_f if i < 3 else allowed_m)
+                allowed = allowed_f if i < 3 else allowed_m
+                if node >= nodes:
+                    allowed = 1e-12 * length if i < 3 else 1e-12
+                off = abs(work.internal[node, i] - applied[node, i]) / allowed
                 if not off <= worst:
                     worst, at = off, node
     return worst, at
@@ -183,7 +193,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         if control[PHASE] == 0:
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
-                control[BLAME] = imbalance(work, mask, tolerance, floor)[1]
+                control[BLAME] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[1]
                 return LIMIT
             control[ITERATION] += 1
             bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
@@ -212,7 +222,7 @@ def newton(tables, work, x, g, external, mask, options, control):
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g, external)
-            worst, at = imbalance(work, mask, tolerance, floor)
+            worst, at = imbalance(tables.nodes, work, mask, tolerance, floor, length)
             control[BLAME] = at
             if worst <= 1.0:
                 return CONVERGED
@@ -230,7 +240,7 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
-    nodes = applied.shape[0]
+    nodes = tables.nodes
     static = tables.rates == NONE
     base = 24 if tables.carried else 12
     done, at_supports = 0.0, 0.0
@@ -261,18 +271,20 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += applied[node, 3 + i] + reaction[node, 3 + i]
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
+    taken = lost(tables, work, x, g)
+    ground(tables, work, x, g)
+    driven, prescribed = acts(tables, work, x, g)
+    done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
         x[:nodes, 24:36] = 0.0
     else:
         commit(tables, work, x, g)
-    taken = lost(tables, work, x, g)
-    ground(tables, work, x, g)
     for i in range(3):
         force[i] += work.ground[i]
         moment[i] += work.ground[3 + i]
     for node in range(nodes):
         orthonormal(x[node, 3:12])
-    taken += end(tables.rates, nodes, x, g, tables.lumped)
+    taken += end(tables.rates, nodes, work.applied.shape[0], x, g, tables.lumped)
     for node in range(nodes):
         for i in range(12):
             x[node, 12 + i] = 0.0 if i < 3 else x[node, i]

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation
-from directrix.formulations.element import Committed, Lossy, record_audit, record_commit, record_lost, record_step
+from directrix.formulations.element import (
+    Committed,
+    Jointed,
+    Lossy,
+    record_acts,
+    record_audit,
+    record_commit,
+    record_lost,
+    record_step,
+)
 from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
@@ -43,6 +52,7 @@ class Tables(NamedTuple):
     half: bool
     carried: bool
     inside: bool
+    nodes: int
     lumped: Array
     damping: Array
 
@@ -68,6 +78,7 @@ class Work(NamedTuple):
     back: Array
     flow: Array
     ground: Array
+    joints: Array
     common: Array
 
 
@@ -79,7 +90,7 @@ def in_lanes(parameters: Any) -> Any:
     return padded.reshape(blocks, LANES, size).transpose(0, 2, 1).ravel()
 
 
-def _kernels(group: Group) -> tuple[int, int, int, int, int]:
+def _kernels(group: Group) -> tuple[int, ...]:
     layout, element = group.layout, group.element
     about = f"{layout} {element}"
     return (
@@ -90,6 +101,7 @@ def _kernels(group: Group) -> tuple[int, int, int, int, int]:
         if element.rows(layout)
         else 0,
         kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
+        kernel_address(f"acts {about}", lambda: record_acts(cast(Jointed, element), layout)) if group.jointed else 0,
     )
 
 
@@ -98,7 +110,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     head: list[tuple[int, ...]] = []
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
     at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
-    history = disc.nodes * (2 if scheme.nodal_rows else 1)
+    history = disc.rows + (disc.nodes if scheme.nodal_rows else 0)
     for group, dest in zip(disc.groups, disc.pattern.first, strict=True):
         ne, nn = group.conn.shape
         rows = group.element.rows(group.layout)
@@ -143,6 +155,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
         any(g.inside and g.condensed for g in disc.groups),
+        disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         _damping(disc, scheme),
     )
@@ -170,10 +183,10 @@ def _damping(disc: Discretisation, scheme: Scheme) -> Array:
 
 def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     """Workspace for one run."""
-    n, rows = disc.nodes, len(disc.pattern.node_of_row)
+    n, rows = disc.rows, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, 10)
     inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
@@ -194,5 +207,6 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         back=np.zeros((inside, 13)),
         flow=np.zeros(9),
         ground=np.zeros(6),
+        joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
     )
