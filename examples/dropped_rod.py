@@ -2,7 +2,7 @@
 
 The floor is a plane with a penalty: a force per length that grows with the penetration. A step takes the mean force
 of the penalty's energy, so that bouncing loses nothing whatever the step, and friction is booked as what it takes:
-H − H(0) = work of gravity − dissipated. A rod that falls level and without friction rebounds to the height it fell from.
+H − H(0) = work of gravity − dissipated. A rod that falls level and without friction rebounds to where it fell from.
 
     python examples/dropped_rod.py [--out FOLDER]
 """
@@ -20,7 +20,7 @@ def main(
     *, height: float = 0.3, tilt: float = 0.15, friction: float = 0.3, dt: float = 0.001, t_end: float = 1.0,
     elements: int = 8, out: str | None = None,
 ) -> dx.Result:  # fmt: skip
-    """A rubber rod 1 m long, 2 cm in radius, let go with one end ``tilt`` above the other; draws if ``out`` is given."""
+    """A rubber rod 1 m long, 2 cm in radius, let go with one end ``tilt`` above the other; drawn with ``out``."""
     section = dx.Section.circle(radius=0.02, E=5e6, nu=0.45, rho=1100)
     low = 0.02 + height
     model = (
@@ -57,7 +57,7 @@ def _draw(result: dx.Result, path: Path) -> None:
     side.set(xlabel="x [m]", ylabel="z [m]", aspect="equal", title="side view")
     side.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(1, 1))
     energy = result.energy
-    books.plot(result.t, energy.total - energy.work, label="energy with that of gravity")
+    books.plot(result.t, energy.total - energy.work, label="energy, with that of gravity since the start")
     books.plot(result.t, energy.total[0] - energy.dissipated, "--", label="start − taken by friction")
     books.plot(result.t, energy.stored, label="stored in rod and floor")
     books.set(xlabel="t [s]", ylabel="[J]")
