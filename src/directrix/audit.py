@@ -98,7 +98,7 @@ class _Turn:
 class DynamicBooks:
     """Adds up the ledger of a motion, one step after the other (read by the loop, never by the solver).
 
-    After every step: total − total(0) = work − dissipated, with no step dissipating less than nothing,
+    After every step: total − total(0) = work − dissipated, with no source dissipating less than nothing in any step,
     L − L(0) = ∫ΣF dt and J − J(0) = ∫ΣM dt, loads and supports together. What does not add up is kept as the largest
     deviation seen.
     """
@@ -116,6 +116,7 @@ class DynamicBooks:
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
+        self.taken = np.zeros(len(disc.sources.names))
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
         self.off = np.zeros(3)
@@ -129,7 +130,8 @@ class DynamicBooks:
         self.work += flow[0] + flow[1]
         self.prescribed += flow[1]
         self.dissipated += flow[8]
-        self.given = max(self.given, -float(flow[8]))
+        self.taken += books.taken
+        self.given = max(self.given, -float(min(books.taken, default=0.0)))
         self.impulse += self.dt * flow[2:8]
         self.turnover += (
             abs(flow[0]) + abs(flow[1]),
@@ -149,9 +151,9 @@ class DynamicBooks:
         self.turn.add(totals)
 
     @property
-    def flows(self) -> tuple[float, float, float]:
-        """Since the start: work, the part of prescribed motion, what was dissipated."""
-        return self.work, self.prescribed, self.dissipated
+    def flows(self) -> tuple[float, ...]:
+        """Since the start: work, the part of prescribed motion, what was dissipated, and that by source."""
+        return self.work, self.prescribed, self.dissipated, *self.taken.tolist()
 
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
@@ -190,7 +192,7 @@ class StaticBooks:
         self.turn.add(first.totals)
 
     @property
-    def flows(self) -> tuple[float, float, float]:
+    def flows(self) -> tuple[float, ...]:
         """Since the start: work, the part of prescribed motion, nothing dissipated."""
         return self.work, self.prescribed, 0.0
 
@@ -234,6 +236,7 @@ def report(result: Result) -> str:
         f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
         f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}"
         + (f", dissipated {result.energy.dissipated[-1]:.9g}" if result.energy.dissipated[-1] else ""),
+        *(f"  dissipated by {name}: {taken[-1]:.9g}" for name, taken in result.energy.by_source.items()),
         f"  {'law':<20}{'deviation':>12}{'allowed':>12}  relative to",
     ]
     for e in audit.entries:

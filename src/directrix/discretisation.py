@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from directrix.basis import gauss, lagrange
 from directrix.checks import number, shown, vector
+from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
 from directrix.errors import ModelError
 from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
@@ -28,7 +29,7 @@ from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.scheme import Scheme
 from directrix.section import Section
-from directrix.touching import Near, Pairs, contact_states, near_of, obstacle_groups
+from directrix.sources import Sources, sources_of
 
 Array = NDArray[np.float64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
@@ -87,8 +88,9 @@ class Discretisation:
     """Nodes of every rod, element by element, and the lengths that they stand for."""
     near: Near | None
     """Finds what rods may touch; the elements for it come and go."""
+    sources: Sources
 
-    def touching(self, pairs: Pairs) -> Discretisation:
+    def touching(self, pairs: Pairs, scheme: Scheme) -> Discretisation:
         """The same with these pairs of rods in contact; then all nodes are unknowns of the system, to be coupled."""
         assert self.near is not None
         pushing = self.near.groups(pairs)
@@ -96,7 +98,8 @@ class Discretisation:
         # whether interior nodes are condensed is a matter of rods, and of what sits on their interior nodes
         kept = (replace(g, condensed=not pushing) if g.inside or not g.names else g for g in others)
         groups = (*kept, *pushing)
-        return replace(self, groups=groups, pattern=_pattern(self.rows, groups))
+        sources = sources_of(self.model, groups, scheme)
+        return replace(self, groups=groups, pattern=_pattern(self.rows, groups), sources=sources)
 
     @property
     def nodes(self) -> int:
@@ -267,7 +270,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
-    model.check(**({"dynamic": True} if dynamic else {"static": True}))
+    model.check(static=not dynamic, dynamic=dynamic, meshed=False)
     positions: list[Array] = [np.array(node.at) for node in model.nodes]
     names = {node.name: k for k, node in enumerate(model.nodes)}
     rods: list[RodMesh] = []
@@ -334,6 +337,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         lumped,
         spread,
         near_of(model, mesh, scheme),
+        sources_of(model, groups, scheme),
     )
 
 

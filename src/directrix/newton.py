@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.checks import number
+from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
@@ -17,7 +18,6 @@ from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
 from directrix.scheme import Scheme
-from directrix.touching import Pairs, union
 
 Array = NDArray[np.float64]
 
@@ -55,8 +55,8 @@ class Outcome(NamedTuple):
 
 class Books(NamedTuple):
     """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what joints do
-    (joints, ≥ 6)."""
+    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what was dissipated by
+    source, what joints do (joints, ≥ 6)."""
 
     totals: Array
     flow: Array
@@ -64,6 +64,7 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
+    taken: Array
     joints: Array
 
 
@@ -87,6 +88,8 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.start: Array = np.zeros((0, 40))
+        """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     def _use(self, disc: Discretisation) -> None:
@@ -113,7 +116,7 @@ class Newton:
     def _bring(self, pairs: Pairs) -> None:
         before = self.work
         self.pairs = pairs
-        self._use(self.disc.touching(pairs))
+        self._use(self.disc.touching(pairs, self.scheme))
         self.work.reaction[:], self.work.joints[:] = before.reaction, before.joints
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
@@ -147,7 +150,7 @@ class Newton:
         )
 
     def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
-        start = x.copy()
+        self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
         if self.rough and outcome.status is not None:
             x[:] = start
@@ -220,7 +223,7 @@ class Newton:
         """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
-        place = self.disc.mesh.label(blame)
+        place = self.disc.mesh.place(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
             return Status(
@@ -340,8 +343,9 @@ class Newton:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
         work, n = self.work, self.disc.nodes
         return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.joints
-        )
+            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.taken,
+            work.joints,
+        )  # fmt: skip
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -350,6 +354,7 @@ class Newton:
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = 0.0
         return self._about_zero()
 
 

@@ -14,6 +14,8 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from directrix.checks import whole
+from directrix.contact_groups import refuse_rod_contacts
+from directrix.diagnosis import at_start, refuse
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
 from directrix.formulations.director_acceleration import DirectorAcceleration
@@ -25,7 +27,6 @@ from directrix.newton import Newton, Settings
 from directrix.result import Mesh, Result
 from directrix.scheme import Rates, Scheme
 from directrix.state import initial_state
-from directrix.touching import refuse_rod_contacts
 
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
@@ -144,9 +145,10 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     Raises
     ------
     ModelError
-        Something cannot be right: no loads, a state that is not stable, loads that turn with their node.
+        Something cannot be right: no loads, a part that can move freely, loads that turn with their node.
     """
     system = _System(model, about, dynamic=False)
+    refuse(at_start(system.newton, system.x, stressed=about is not None))
     count = system.checked(count)
     stiffness = system.matrix()
     factored = splu(stiffness)

@@ -250,8 +250,7 @@ def commit(tables, work, x, g):
 
 @inner
 def lost(tables, work, x, g):
-    """What elements that dissipate by themselves took in the step."""
-    total = 0.0
+    """Add what elements that dissipate by themselves took in the step to ``work.taken``, by source."""
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         if head[LOST] == 0:
@@ -262,8 +261,7 @@ def lost(tables, work, x, g):
             places = head[AT] + block * LANES * (head[NN] + head[ROWS])
             call_kernel(head[LOST], x, tables.at, places, tables.par, parameters, g, work.out)
             for lane in range(count):
-                total += work.out[lane * LANES]
-    return total
+                work.taken[tables.source[head[ELEMENT] + block * LANES + lane]] += work.out[lane * LANES]
 
 
 @inner

@@ -236,8 +236,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what the scheme dissipated;
-    ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, and what was dissipated; ``work.taken`` has
+    the last by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = tables.nodes
@@ -271,7 +271,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += applied[node, 3 + i] + reaction[node, 3 + i]
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
-    taken = lost(tables, work, x, g)
+    work.taken[:] = 0.0
+    lost(tables, work, x, g)
     ground(tables, work, x, g)
     driven, prescribed = acts(tables, work, x, g)
     done, at_supports = done + driven, at_supports + prescribed
@@ -284,7 +285,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
         moment[i] += work.ground[3 + i]
     for node in range(nodes):
         orthonormal(x[node, 3:12])
-    taken += end(tables.rates, nodes, work.applied.shape[0], x, g, tables.lumped)
+    taken = end(tables.rates, nodes, work.applied.shape[0], x, g, tables.lumped)
+    if tables.numerical >= 0:
+        work.taken[tables.numerical] += taken
     for node in range(nodes):
         for i in range(12):
             x[node, 12 + i] = 0.0 if i < 3 else x[node, i]
@@ -297,18 +300,25 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             work.before[point, i] = strains[point, i]
     books(tables, work, x, totals, strains)
     if damped:
-        taken += _dissipated(tables.damping, work.before, strains)
-    work.flow[8] = taken
+        _dissipated(tables, work, strains)
+    work.flow[8] = 0.0
+    for source in range(work.taken.shape[0]):
+        work.flow[8] += work.taken[source]
 
 
 @inner
-def _dissipated(damping, before, after):
-    """Σ Δε·Q Δε over the stress points, ``damping`` (stations, 6, 6) = Q with the weights of the points in it."""
-    total = 0.0
-    for point in range(damping.shape[0]):
-        for i in range(6):
-            for j in range(6):
-                total += (
-                    (after[point, i] - before[point, i]) * damping[point, i, j] * (after[point, j] - before[point, j])
-                )
-    return total
+def _dissipated(tables, work, after):
+    """Add Σ Δε·Q Δε of the stress points to ``work.taken``: Q has the weights of the points in it."""
+    damping, before = tables.damping, work.before
+    for part in range(damping.shape[0]):
+        for point in range(damping.shape[1]):
+            total = 0.0
+            for i in range(6):
+                for j in range(6):
+                    total += (
+                        (after[point, i] - before[point, i])
+                        * damping[part, point, i, j]
+                        * (after[point, j] - before[point, j])
+                    )
+            if total != 0.0:
+                work.taken[tables.damped[part, point]] += total

@@ -55,6 +55,9 @@ class Tables(NamedTuple):
     nodes: int
     lumped: Array
     damping: Array
+    damped: Ints
+    source: Ints
+    numerical: int
 
 
 class Work(NamedTuple):
@@ -79,6 +82,7 @@ class Work(NamedTuple):
     flow: Array
     ground: Array
     joints: Array
+    taken: Array
     common: Array
 
 
@@ -157,28 +161,41 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         any(g.inside and g.condensed for g in disc.groups),
         disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
-        _damping(disc, scheme),
+        *_damping(disc, scheme),
+        disc.sources.element,
+        disc.sources.numerical,
     )
 
 
-def _damping(disc: Discretisation, scheme: Scheme) -> Array:
-    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does."""
+def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
+    """(parts, stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε, and the source (parts, stations) it is booked
+    under: first the viscous sections, then the scheme; no parts when nothing dissipates."""
+    sources, chi = disc.sources, scheme.common[2]
+    matrices: list[Array] = []
+    booked: list[Ints] = []
+    if np.any(sources.material >= 0):
+        matrices.append(_at_stations(disc, 6, scheme.common[1]))
+        booked.append(np.repeat(sources.material, [len(rod.stations) for rod in disc.mesh.rods]))
+    if sources.numerical >= 0 and chi:
+        matrices.append(_at_stations(disc, 1, 0.5 * chi))
+        booked.append(np.full(disc.stations, sources.numerical))
+    parts = len(matrices)
+    shape = (parts, disc.stations)
+    return np.array(matrices).reshape(*shape, 6, 6), np.array(booked, np.int64).reshape(shape)
+
+
+def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:
+    """``factor`` times a matrix of the parameters, with the weights of the stress points, (stations, 6, 6)."""
     out = np.zeros((disc.stations, 6, 6))
-    if scheme.static or scheme.rates is Rates.ALPHA:
-        return out[:0]
-    chi = scheme.common[2]
     for group in disc.groups:
-        if group.names:
-            continue
         parts = group.layout.split(group.parameters.T)  # type: ignore[arg-type]
-        weights = gauss(group.layout.points)[1]
+        if group.names or not len(parts[block]):
+            continue
         unit: Any = np.eye(6)[:, :, None]
-        matrix = 0.5 * chi * np.array(symmetric_times(parts[1], unit))
-        if len(parts[6]):
-            matrix = matrix + scheme.common[1] * np.array(symmetric_times(parts[6], unit))
-        for k, w in enumerate(weights):
+        matrix = factor * np.array(symmetric_times(parts[block], unit))
+        for k, w in enumerate(gauss(group.layout.points)[1]):
             out[group.station + k] = (w / parts[2][k] * matrix).transpose(2, 0, 1)
-    return out if np.any(out) else out[:0]
+    return out
 
 
 def work_for(disc: Discretisation, scheme: Scheme) -> Work:
@@ -208,5 +225,6 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         flow=np.zeros(9),
         ground=np.zeros(6),
         joints=np.zeros((n - disc.nodes, 12)),
+        taken=np.zeros(len(disc.sources.names)),
         common=np.array(scheme.common),
     )
