@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
@@ -34,6 +35,7 @@ __all__ = [
     "BucklingLoads",
     "ConvergenceError",
     "CrisfieldJelenic",
+    "Cylinder",
     "Directors",
     "DirectrixError",
     "DisplacementControl",
@@ -47,11 +49,13 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Plane",
     "Result",
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
     "Snapshot",
+    "Sphere",
     "Status",
     "TurningPoint",
     "arc",
@@ -72,6 +76,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),

@@ -136,8 +136,9 @@ class DynamicBooks:
         self.impulse += self.dt * flow[2:8]
         self.turnover += (
             abs(flow[0]) + abs(flow[1]) + np.abs(books.done).sum(),
-            self.dt * np.linalg.norm(flow[2:5]),
-            self.dt * np.linalg.norm(flow[5:8]),
+            # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
+            self.dt * max(np.linalg.norm(part) for part in (flow[2:5], books.ground[:3], books.reaction[:, :3])),
+            self.dt * max(np.linalg.norm(part) for part in (flow[5:8], books.ground[3:])),
         )
         energy = float(totals[0] + totals[1])
         self.energy, self.kinetic = max(self.energy, energy), max(self.kinetic, float(totals[1]))

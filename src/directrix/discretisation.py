@@ -8,7 +8,7 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from directrix.actuators import value_at
 from directrix.basis import gauss, lagrange
 from directrix.checks import number, shown, vector
+from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
 from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
+from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
 from directrix.free_nodes import idle_rotations, refuse_loose
 from directrix.groups import (
@@ -95,8 +97,23 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
+    spread: Mapping[str, tuple[Ints, Array]]
+    """Nodes of every rod, element by element, and the lengths that they stand for."""
+    near: Near | None
+    """Finds what rods may touch; the elements for it come and go."""
     sources: Sources
     drives: tuple[Drive, ...]
+
+    def touching(self, pairs: Pairs, scheme: Scheme) -> Discretisation:
+        """The same with these pairs of rods in contact; then all nodes are unknowns of the system, to be coupled."""
+        assert self.near is not None
+        pushing = self.near.groups(pairs)
+        others = (g for g in self.groups if not isinstance(g.element, PairElement))
+        # whether interior nodes are condensed is a matter of rods, and of what sits on their interior nodes
+        kept = (replace(g, condensed=not pushing) if g.inside or not g.names else g for g in others)
+        groups = (*kept, *pushing)
+        sources = sources_of(self.model, groups, scheme)
+        return replace(self, groups=groups, pattern=_pattern(self.rows, groups), sources=sources)
 
     @property
     def nodes(self) -> int:
@@ -191,6 +208,10 @@ class Discretisation:
             length = np.linalg.norm(second - first, axis=1)
             out[link.name] = np.stack([length, link.tension(length, *link.measures(places))], -1)
         return out
+
+    def contact_states(self, r: Array) -> dict[str, Array]:
+        """Smallest gap and sum of normal forces (nt, 2) of every contact, from positions (nt, n, 3)."""
+        return contact_states(self.model.contacts, self.model, self.spread, self.near, r)
 
     def initial_rates(self) -> tuple[Array, Array]:
         """Nodal velocities (n, 3) and angular velocities (n, 3) that the model asks for."""
@@ -348,6 +369,9 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
     groups += joint_groups(model.joints, scheme, names, r0, carried)
+    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+    lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
+    groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
     mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
@@ -365,6 +389,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
+        lengths,
+        near_of(model, mesh, scheme),
         sources_of(model, groups, scheme),
         drives_of(model, groups, rods),
     )

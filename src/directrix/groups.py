@@ -38,7 +38,8 @@ class Group:
 
     What is attached to rods has ``names``, elements of rods have the names of their rods in ``owners``. A group is
     ``lossy`` when it dissipates by itself, ``works`` when it brings in work, ``grounded`` when the ground holds its
-    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes of a
+    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others; elements of one node
+    are ``inside`` when theirs is an interior one, and come before the rods then. The last nodes of a
     ``jointed`` one are rows of multipliers.
     """
 
@@ -54,11 +55,14 @@ class Group:
     works: bool = False
     owners: tuple[str, ...] = ()
     condensed: bool = True
+    inside: bool = False
     jointed: bool = False
 
     @property
     def in_pattern(self) -> Ints:
-        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        """(ne, 0 … nn) nodes that are unknowns of the system."""
+        if self.condensed and self.inside:
+            return self.conn[:, :0]
         return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 

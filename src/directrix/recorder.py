@@ -87,6 +87,7 @@ class Recorder:
             history=history,
             joints=joints,
             links=self.disc.link_states(r, rotation),
+            contacts=self.disc.contact_states(r),
         )
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:

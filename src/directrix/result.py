@@ -222,6 +222,15 @@ class LinkHistory:
 
 
 @dataclass(frozen=True)
+class ContactHistory:
+    """A contact through the run, each (nt,): ``gap`` the smallest distance of surfaces, negative where they overlap
+    (infinite where rods are far apart), ``force`` the sum of the normal forces at the saved instants."""
+
+    gap: Array
+    force: Array
+
+
+@dataclass(frozen=True)
 class JointHistory:
     """A joint through the run.
 
@@ -258,6 +267,7 @@ class Result:
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
+    contacts : (nt, 2) smallest gap and sum of normal forces of each contact, by name; see :meth:`contact`
     joints : (nt, joints, 6) force and moment of every joint on what it moves; see :meth:`joint`
     history : (nt, rows, 12) multipliers and coordinates of joints, one row each, then what a formulation or a scheme
         carries beside the nodes, to go on with ``start=``; no rows for most
@@ -285,6 +295,7 @@ class Result:
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
 
     @cached_property
@@ -321,6 +332,12 @@ class Result:
         if name not in self.links:
             raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
         return LinkHistory(*self.links[name].T)
+
+    def contact(self, name: str) -> ContactHistory:
+        """History of one contact, by name; raises ModelError for an unknown one."""
+        if name not in self.contacts:
+            raise ModelError(f"there is no contact {name!r}", f"contacts: {', '.join(self.contacts) or 'none'}")
+        return ContactHistory(*self.contacts[name].T)
 
     def joint(self, name: str) -> JointHistory:
         """History of one joint, by name; raises ModelError for an unknown one."""

@@ -14,6 +14,7 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from directrix.checks import whole
+from directrix.contact_groups import refuse_rod_contacts
 from directrix.diagnosis import at_start, refuse
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
@@ -187,6 +188,8 @@ class _System:
             raise ModelError("about= is not an equilibrium", "give what solve_static returned", "about=")
         if about is not None and not about.success:
             raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
+        if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+            refuse_rod_contacts(model, "small motions are about one system")
         self.scheme = AT_REST
         if not dynamic and (model.actuations or model.tendons):
             raise ModelError(

@@ -232,6 +232,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         _put(root, name, getattr(result, name))
     for key, named in (
         ("links", result.links),
+        ("contacts", result.contacts),
         ("dissipated_by_source", result.energy.by_source),
         ("work_by_source", result.energy.work_by_source),
     ):
@@ -280,6 +281,7 @@ def _read_result(root: Any) -> Result:
         mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
+        contacts=_read_named(root, "contacts"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         energy=Energy(
