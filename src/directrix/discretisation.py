@@ -281,7 +281,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
-    model.check(**({"dynamic": True} if dynamic else {"static": True}))
+    model.check(static=not dynamic, dynamic=dynamic, meshed=False)
     refuse_driven(model, scheme)
     positions: list[Array] = [np.array(node.at) for node in model.nodes]
     names = {node.name: k for k, node in enumerate(model.nodes)}

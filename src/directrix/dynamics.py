@@ -6,8 +6,10 @@ from typing import Literal
 
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
+from directrix.diagnosis import refuse, without_inertia
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
@@ -83,6 +85,7 @@ def simulate(
     newton.driver.shift()
     place_supports(disc, x, t0)
     refuse_joints(newton, x, fresh=start is None or start.kind == "static")
+    refuse(without_inertia(newton, x))
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
@@ -115,7 +118,7 @@ def simulate(
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
-                failed = outcome.status
+                failed = explained(newton, newton.start, outcome.status, static=False)
                 status = Status(
                     failed.code,
                     f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}",

@@ -14,6 +14,7 @@ from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
+from directrix.findings import Finding, remarks
 from directrix.joints import Joint
 from directrix.section import Section
 
@@ -485,10 +486,11 @@ class Model:
         new = RigidVelocity(*(vector(x, k) for k, x in (("v", v), ("omega", omega), ("about", about))))
         return replace(self, velocities=(*self.velocities, new))
 
-    def check(self, *, static: bool = False, dynamic: bool = False) -> None:
-        """Look at the whole; raises ModelError for the first thing that cannot be right.
+    def check(self, *, static: bool = False, dynamic: bool = False, meshed: bool = True) -> tuple[Finding, ...]:
+        """Look at the whole; raises ModelError for the first thing that cannot be right, and returns what may be wrong.
 
-        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
+        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod. Without
+        ``meshed`` what takes a mesh is left out: whether parts can move although something holds them.
         """
         if not self.rods and not self.nodes:
             raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
@@ -504,8 +506,6 @@ class Model:
                             f"node {given.node!r} is held in {dof} and has an initial velocity there",
                             "remove one of them (a prescribed motion moves the node by itself)",
                         )
-        if static:
-            self._supported(held)
         if dynamic:
             for rod in self.rods:
                 if rod.section.A_rho == 0.0:
@@ -515,6 +515,12 @@ class Model:
                         f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
                         "give its section I_rho1= and I_rho2=",
                     )
+        said = remarks(self, static=static) if static or dynamic else ()
+        if not (static and meshed):
+            return said
+        from directrix.diagnosis import examine_model, refuse  # it needs the solvers
+
+        return *refuse(examine_model(self)), *said
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
@@ -630,34 +636,6 @@ class Model:
                 )
             held[node] |= set(dofs)
         return held
-
-    def _supported(self, held: Mapping[str, set[str]]) -> None:
-        """Statics: every connected part needs a support."""
-        part = {name: name for rod in self.rods for name in rod.names}
-        part |= {node.name: node.name for node in self.nodes}
-
-        def root(name: str) -> str:
-            while part[name] != name:
-                name = part[name]
-            return name
-
-        for rod in self.rods:
-            for name in rod.names[1:]:
-                part[root(name)] = root(rod.names[0])
-        for link in self.links:
-            if isinstance(link.b, str):
-                part[root(link.a)] = root(link.b)
-        for joint in self.joints:
-            if joint.b is not None:
-                part[root(joint.a)] = root(joint.b)
-        good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
-        good |= {root(joint.a) for joint in self.joints if joint.b is None}
-        for rod in self.rods:
-            if root(rod.ends[0]) not in good:
-                raise ModelError(
-                    f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
-                    "add .clamp, .pin or .fix, or use dx.simulate",
-                )
 
 
 def _called(value: Any, what: str) -> Any:

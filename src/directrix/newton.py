@@ -92,6 +92,8 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.start: Array = np.zeros((0, 40))
+        """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     @cached_property
@@ -105,7 +107,7 @@ class Newton:
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
         first, at the rotations as they are.
         """
-        start = x.copy()
+        self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
         # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
         # iteration may solve for, do not always have the freedom to close joints
@@ -140,7 +142,7 @@ class Newton:
         """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
-        place = self.disc.mesh.label(blame)
+        place = self.disc.mesh.place(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
             return Status(

@@ -12,6 +12,7 @@ from directrix.audit import StaticBooks
 from directrix.bordered import Bordered, dot, travelled
 from directrix.controls import Control, Snapshot
 from directrix.errors import ModelError
+from directrix.failures import explained
 from directrix.gauge import Gauge, gauge_for
 from directrix.kernels import step as kernel
 from directrix.newton import Newton
@@ -284,6 +285,7 @@ class Walk:
         )
 
     def _stuck(self, why: Status) -> Status:
+        why = explained(self.newton, self.point.x, why)
         return Status(
             why.code,
             f"stopped at load factor {self.point.factor:.6g}, arc length {self.arc:.6g}, after {self.cuts} cuts of the "

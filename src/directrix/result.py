@@ -97,6 +97,16 @@ class Mesh:
                 return f"{rod.name} at s = {rod.s[hit[0]]:.4g}"
         return f"node {index}"
 
+    def place(self, index: int) -> str:
+        """The same as part of a sentence: "node 'tip' of rod 'arm'"."""
+        label = self.label(index)
+        if label not in self.node_names:
+            return label
+        rods = [repr(rod.name) for rod in self.rods if index in rod.nodes]
+        if not rods:
+            return f"node {label!r}"
+        return f"node {label!r} of rod{'s' * (len(rods) > 1)} {', '.join(rods[:3])}" + " …" * (len(rods) > 3)
+
 
 @dataclass(frozen=True)
 class Status:

@@ -14,6 +14,7 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from directrix.checks import whole
+from directrix.diagnosis import at_start, refuse
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
 from directrix.formulations.director_acceleration import DirectorAcceleration
@@ -143,9 +144,10 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     Raises
     ------
     ModelError
-        Something cannot be right: no loads, a state that is not stable, loads that turn with their node.
+        Something cannot be right: no loads, a part that can move freely, loads that turn with their node.
     """
     system = _System(model, about, dynamic=False)
+    refuse(at_start(system.newton, system.x, stressed=about is not None))
     count = system.checked(count)
     stiffness = system.matrix()
     factored = splu(stiffness)

@@ -181,7 +181,8 @@ def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
     if sources.numerical >= 0 and chi:
         matrices.append(_at_stations(disc, 1, 0.5 * chi))
         booked.append(np.full(disc.stations, sources.numerical))
-    return np.array(matrices).reshape(-1, disc.stations, 6, 6), np.array(booked, np.int64).reshape(-1, disc.stations)
+    shape = (len(matrices), disc.stations)
+    return np.array(matrices).reshape(*shape, 6, 6), np.array(booked, np.int64).reshape(shape)
 
 
 def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:

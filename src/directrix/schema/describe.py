@@ -56,6 +56,9 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
         yield "notes"
         yield from (f"  {note}" for note in notes)
+    if found := case.findings():
+        yield "findings"
+        yield from (f"  {f.what}; {f.fix}" for f in found)
     yield "conventions"
     yield from (f"  {line}" for line in CONVENTIONS)
 

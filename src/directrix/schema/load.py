@@ -33,6 +33,7 @@ from directrix.schema.places import json_places, toml_places
 if TYPE_CHECKING:
     from directrix.controls import Control
     from directrix.discretisation import Discretisation
+    from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
     from directrix.result import Result
@@ -65,6 +66,7 @@ class Case:
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
+        from directrix.diagnosis import examine, refuse
         from directrix.discretisation import discretise
         from directrix.dynamics import refuse_damping
         from directrix.statics import static_scheme
@@ -72,9 +74,17 @@ class Case:
         self.model.check()
         do = self.analysis
         if isinstance(do, Statics):
-            return discretise(self.model, static_scheme(self.model, self._formulation(do)))
+            scheme = static_scheme(self.model, self._formulation(do))
+            disc = discretise(self.model, scheme)
+            refuse(examine(disc, scheme))
+            return disc
         refuse_damping(self.model, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
+
+    def findings(self) -> tuple[Finding, ...]:
+        """What may be wrong with the case, though it can be run. Raises ModelError."""
+        static = isinstance(self.analysis, Statics)
+        return self.model.check(static=static, dynamic=not static)
 
     @property
     def control(self) -> Control | None:
