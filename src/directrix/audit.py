@@ -167,7 +167,7 @@ class DynamicBooks:
         )
         value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
         claims = self.integrator
-        back = Entry("dissipation", float(self.given / scale[0]), LIMIT, f"{scale[0]:.6g}")
+        back = Entry("dissipation", float(self.given / scale[0]) if scale[0] > 0.0 else 0.0, LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
                 Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
@@ -261,10 +261,11 @@ def report(result: Result) -> str:
             f"  {e.law:<20}{e.value:>12.2e}{e.limit:>12.0e}  {e.relative_to:<12} {mark if e.claimed else 'not claimed'}"
         )
     lines.append(f"  audit {audit.verdict}")
-    lines.append(
-        f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
-        f"directors off orthonormal by {audit.director_loss:.1e}"
-    )
+    if info.get("elements", 1):
+        lines.append(
+            f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
+            f"directors off orthonormal by {audit.director_loss:.1e}"
+        )
     lines += [f"  {point}" for point in result.turning_points]
     lines += [f"  note: {note}" for note in audit.notes]
     return "\n".join(lines)

@@ -22,6 +22,7 @@ from directrix.checks import number, shown, vector
 from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
 from directrix.formulations.layout import Layout
+from directrix.free_nodes import idle_rotations, refuse_loose
 from directrix.groups import (
     Group,
     attached_groups,
@@ -201,6 +202,8 @@ class Discretisation:
                 k = self.mesh.node_names[given.node]
                 v[k] += given.v
                 omega[k] += given.omega
+        for name in idle_rotations(self.model, False):
+            omega[self.mesh.node_names[name]] = 0.0
         return v, omega
 
 
@@ -347,6 +350,9 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
+    idle = [names[name] for name in idle_rotations(model, scheme.static)]
+    fixed[idle, 3:] = True
+    refuse_loose(model, names, groups, fixed)
     return Discretisation(
         model,
         mesh,

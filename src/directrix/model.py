@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self, cast
 
 import numpy as np
@@ -22,6 +22,7 @@ VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
+OPTIONS = tuple(f.name for f in fields(Joint))[4:]  # behind name, kind, nodes
 
 __all__ = [
     "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "Pressure", "RigidVelocity",
@@ -173,7 +174,11 @@ class Model:
     nodes: tuple[Node, ...] = ()
 
     def node(self, name: str, at: Any) -> Self:
-        """Add a node that is on no rod, for a body that joints or links hold."""
+        """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
+
+        What moves of it in dynamics needs mass, or a joint, link or support that says how. Raises ModelError for a name
+        that is taken or a place that is none.
+        """
         name = text(name, "name of a node")
         if any(other.name == name for other in self.nodes):
             raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
@@ -403,13 +408,17 @@ class Model:
         """A rigid body on a node; ``inertia`` (3, 3) about its centre of mass, in the reference frame.
 
         The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
-        joint of that name.
+        joint of that name. Raises ModelError for a mass or an inertia that no body has, and for a second body on it.
         """
+        node = text(node, "node of a body")
         if offset is not None:
             arm, own = np.array(vector(offset, f"offset of the body on node {node!r}")), f"{node}.body"
             places = self._places()
             if node not in places:
-                raise ModelError(f"there is no node {node!r} for the body", "add rods and nodes first")
+                raise ModelError(
+                    f"there is no node {node!r} for the body",
+                    f"{nearest(node, places)}add rods and nodes before a body that is off its node",
+                )
             apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
             return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
         body = Body(node, mass, np.asarray(inertia))
@@ -418,23 +427,59 @@ class Model:
         return replace(self, bodies=(*self.bodies, body))
 
     def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
-        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far."""
+        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far.
+
+        Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "rigid", a, b)
 
     def spherical(self, a: str, b: str | None = None, *, name: str | None = None, **options: Any) -> Self:
-        """A ball joint. ``options``: at, stiffness, damping, see :class:`Joint`."""
+        """A ball joint: all turning is free.
+
+        ``options``: ``at``, ``stiffness`` (moment per angle) against any relative rotation, ``damping`` (moment per
+        relative spin); see :meth:`hinge`, also for what is raised.
+        """
         return self._joint(name, "spherical", a, b, **options)
 
     def hinge(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """A hinge about ``axis`` (turns with ``a``). ``options``: at, stiffness, rest, damping, prescribed, drive,
-        stops, stop_stiffness, stop_width on its angle, see :class:`Joint`."""
+        """A hinge between node ``a`` and node ``b``, or ``a`` and the ground.
+
+        Its angle q [rad] is that of ``b`` relative to ``a`` (of ``a`` relative to the ground) about the axis, zero in
+        the reference, any number of turns. Constraints hold at the end of every step, their multipliers do no work
+        (Betsch & Steinmann 2002; Betsch & Leyendecker 2006).
+
+        Parameters
+        ----------
+        a, b
+            Names of its nodes.
+        axis
+            Its direction in the reference; turns with ``a``.
+        name
+            Its name; "joint1", "joint2", … by default.
+        options
+            ``at``: its place in the reference; that of ``b`` (of ``a`` on the ground) by default.
+            ``stiffness``, ``rest``: a spring, ½ stiffness (q − rest)²; moment per angle, and an angle.
+            ``damping``: moment per rate of q, in dynamics.
+            ``drive``: a moment that pushes q up, a number or a function of time (statics: times the load factor).
+            ``prescribed``: q, a number or a function of time (statics: of the load factor; a number ramps with it).
+            ``stops``: (lower, upper) angles, beyond which springs of ``stop_stiffness`` act, the change smooth over
+            ``stop_width``, a thousandth of the way between them by default.
+
+        Raises
+        ------
+        ModelError
+            A value cannot be right, two things act on q that exclude each other, or the name is taken. Joints that
+            hold what others or supports hold already are found when a run starts.
+        """
         return self._joint(name, "hinge", a, b, axis=axis, **options)
 
     def universal(
         self, a: str, b: str | None = None, *, axes: tuple[Vec, Vec], name: str | None = None, **options: Any
     ) -> Self:
         """A universal (Cardan) joint: its perpendicular ``axes`` stay so, the first on ``a``, the second on ``b``.
-        ``options``: at, stiffness, damping, see :class:`Joint`."""
+
+        ``options`` as for :meth:`spherical`; raises ModelError as :meth:`hinge`.
+        """
         try:
             first, second = axes
         except (TypeError, ValueError):
@@ -443,27 +488,36 @@ class Model:
 
     def cylindrical(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
         """``b`` slides along and turns about the line through the joint along ``axis``, which ``a`` carries.
-        ``options`` as for a hinge, on the displacement."""
+
+        ``options`` as for :meth:`hinge`, on the displacement along the axis: forces for moments, lengths for angles.
+        Raises ModelError as it does.
+        """
         return self._joint(name, "cylindrical", a, b, axis=axis, **options)
 
     def slider(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``. ``options`` as for a
-        hinge, on the displacement."""
+        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``.
+
+        ``options`` as for :meth:`cylindrical`; raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "slider", a, b, axis=axis, **options)
 
     def planar(self, a: str, b: str | None = None, *, normal: Vec, name: str | None = None, at: Any = None) -> Self:
-        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it."""
+        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it.
+
+        Nothing acts on its freedom but links and loads. Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "planar", a, b, axis=normal, at=at)
 
     def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
-        name = f"joint{len(self.joints) + 1}" if name is None else name
+        name = text(f"joint{len(self.joints) + 1}" if name is None else name, "name of a joint")
         if any(other.name == name for other in self.joints):
             raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
-        try:
-            joint = Joint(name, kind, a, b, **options)
-        except TypeError as error:
-            raise ModelError(f"joint {name!r}: {error}", "see dx.Joint for what a joint takes") from None
-        return replace(self, joints=(*self.joints, joint))
+        for key in options:
+            if key not in OPTIONS:
+                raise ModelError(
+                    f"joint {name!r}: there is no {key}=", f"{nearest(key, OPTIONS)}use {', '.join(OPTIONS)}"
+                )
+        return replace(self, joints=(*self.joints, Joint(name, kind, a, b, **options)))
 
     def _link_name(self, name: str | None) -> str:
         return f"link{len(self.links) + 1}" if name is None else name
@@ -493,7 +547,7 @@ class Model:
         ``meshed`` what takes a mesh is left out: whether parts can move although something holds them.
         """
         if not self.rods and not self.nodes:
-            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
+            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...), or a .node(...)")
         places = self._places()
         self._known(places)
         self._values()

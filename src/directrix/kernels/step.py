@@ -47,6 +47,7 @@ __all__ = [
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
 PHASE, ITERATION, FROZEN, BLAME = range(4)
+ROUND_OFF = 1e-14
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
@@ -156,15 +157,15 @@ def carry(tables, work, x, g):
 @compiled
 def imbalance(nodes, work, mask, tolerance, floor, length):
     """Largest unbalanced force or moment over what is allowed, and its node; behind the ``nodes`` constraints, which
-    may be off by 1e-12 of the ``length`` of the model."""
+    may be off by 1e-12 of the ``length`` of the model. What rounds off where forces act on arms is always allowed."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(applied.shape[0]):
         for i in range(3):
             scale_f = max(scale_f, abs(applied[node, i]))
             scale_m = max(scale_m, abs(applied[node, 3 + i]))
-    allowed_f = max(tolerance * scale_f, floor[0])
-    allowed_m = max(tolerance * scale_m, floor[1])
+    allowed_f = max(tolerance * scale_f, floor[0], ROUND_OFF * scale_m / length)
+    allowed_m = max(tolerance * scale_m, floor[1], ROUND_OFF * scale_f * length)
     worst, at = 0.0, 0
     for node in range(applied.shape[0]):
         for i in range(6):

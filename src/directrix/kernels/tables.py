@@ -221,7 +221,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
-        eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
+        eliminated=np.zeros((max(0, 6 * most - 12),) * 2),
         back=np.zeros((inside, 13)),
         flow=np.zeros(10),
         ground=np.zeros(6),

@@ -15,10 +15,11 @@ from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
 from directrix.model import Model, Vec
+from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
-from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable, timed
+from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
@@ -99,6 +100,8 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
             sections[name] = _section(table)
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections)
+    for k, node in enumerate(tables.node):
+        yield ("node", k), partial(_node, node)
     for k, support in enumerate(tables.support):
         yield ("support", k), partial(_support, support)
     for k, moved in enumerate(tables.prescribe):
@@ -119,6 +122,8 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         yield ("tendon", k), partial(_tendon, tendon)
     for k, dragged in enumerate(tables.drag):
         yield ("drag", k), partial(_drag, dragged)
+    for k, joint in enumerate(tables.joint):
+        yield ("joint", k), partial(_joint, joint)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -246,6 +251,23 @@ def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
     return getattr(model, kind)(**given)
 
 
+def _node(node: j.Node, model: Model) -> Model:
+    return model.node(node.name, node.at)
+
+
+def _joint(joint: j.AnyJoint, model: Model) -> Model:
+    """The method of the model has the name of the kind, and its arguments the names of the keys."""
+    given = dict(joint.model_dump(exclude={"kind", "time"}, exclude_unset=True))
+    if isinstance(joint, j.Driven):
+        for key in ("prescribed", "drive"):
+            value = getattr(joint, key)
+            if isinstance(value, float) and joint.time is not None:
+                value = ScaledNumber(value, joint.time)
+            if value is not None:
+                given[key] = value
+    return getattr(model, joint.kind)(**given)
+
+
 def _velocity(start: m.Velocity, model: Model) -> Model:
     return model.velocity(start.node, start.v, start.omega)
 
@@ -279,10 +301,13 @@ def _moving(value: Vec | VectorTable | None, moved: m.Prescribe) -> Vec | Vector
 
 def _position(node: str, model: Model) -> Vec:
     """Where a named node is in the reference."""
+    for free in model.nodes:
+        if free.name == node:
+            return free.at
     for rod in model.rods:
         for name, fraction in ((rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes):
             if name == node:
                 x, y, z = rod.curve.position(fraction * rod.curve.length).tolist()
                 return (x, y, z)
-    known = ", ".join(name for rod in model.rods for name in rod.names)
-    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {known}")
+    known = [name for rod in model.rods for name in rod.names] + [free.name for free in model.nodes]
+    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}")

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from directrix import functions
 from directrix.discretisation import Discretisation
+from directrix.joints import KINDS, Joint
 from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity
-from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
+from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, ScaledNumber, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import ArcLength, DisplacementControl, Statics
 from directrix.section import Section
@@ -37,7 +38,8 @@ def describe(case: Case) -> str:
 def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     yield from (f"  {line}" for line in case.description.strip().splitlines())
     yield from _analysis(case, disc)
-    yield "rods"
+    if disc.mesh.rods:
+        yield "rods"
     for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True):
         d1, d3 = mesh.directors[0, :, 0], mesh.directors[0, :, 2]
         count, points = (len(mesh.s) - 1) // rod.order, rod.points or rod.order
@@ -51,6 +53,7 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
         moved = " (moves as prescribed)" if any(p[0] == k for p in disc.prescribed) else ""
         yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
     yield from _attached(disc)
+    yield from _joints(disc, isinstance(case.analysis, Statics))
     yield from _loads(disc, isinstance(case.analysis, Statics))
     assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
@@ -78,7 +81,9 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
     rods = len(disc.mesh.rods)
-    size = f"{rods} rod{'s' * (rods > 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    size = f"{rods} rod{'s' * (rods != 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    if multipliers := int((~disc.held[disc.nodes :]).sum()):
+        size += f" and {multipliers} multipliers of joints"
     yield f"  {size}, {shape}"
 
 
@@ -129,6 +134,46 @@ def _attached(disc: Discretisation) -> Iterator[str]:
         yield f"  {what} {link.name}: {link.a} – {to}, stiffness {link.stiffness:.6g}, length {rest:.6g}{damped}"
     for body in model.bodies:
         yield f"  body on {body.node}: mass {body.mass:.6g}, moments {_vector(np.diag(body.inertia))}"
+
+
+FREE = {
+    "rigid": "nothing",
+    "spherical": "all turning",
+    "hinge": "turning about {axis}",
+    "universal": "turning about {axis} of {a} and {second} of {b}",
+    "cylindrical": "sliding along and turning about {axis}",
+    "slider": "sliding along {axis}",
+    "planar": "sliding across and turning about {axis}",
+}
+
+
+def _joints(disc: Discretisation, static: bool) -> Iterator[str]:
+    places = {name: disc.mesh.r0[k] for name, k in disc.mesh.node_names.items()}
+    if disc.model.joints:
+        yield "joints"
+    for joint in disc.model.joints:
+        to = joint.b or "ground"
+        base = joint.a if joint.b else "ground"
+        axis, second = (_vector(np.array(u if u is not None else (0, 0, 0), float)) for u in (joint.axis, joint.second))
+        free = FREE[joint.kind].format(axis=axis, second=second, a=base, b=joint.nodes[-1])
+        yield f"  {joint.kind} {joint.name}: {joint.a} – {to}, at {_vector(joint.place(places))}, leaves free: {free}"
+        if acting := list(_acting(joint, static)):
+            yield f"    on its {KINDS[joint.kind].free.replace('ball', 'relative rotation')}: {', '.join(acting)}"
+
+
+def _acting(joint: Joint, static: bool) -> Iterator[str]:
+    if joint.stiffness:
+        yield f"stiffness {joint.stiffness:.6g}" + (f" from {joint.rest:.6g} on" if joint.rest else "")
+    if joint.damping:
+        yield f"damping {joint.damping:.6g}"
+    if joint.drive is not None:
+        yield f"drive {_text(joint.drive)}" + (" (times the load factor)" if static else "")
+    if joint.prescribed is not None:
+        ramps = static and isinstance(joint.prescribed, float)
+        yield f"prescribed {_text(joint.prescribed)}" + (" (ramps with the load factor)" if ramps else "")
+    if joint.stops is not None:
+        low, high = joint.stops
+        yield f"stops at {low:.6g} and {high:.6g} of stiffness {joint.stop_stiffness:.6g}"
 
 
 def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
@@ -193,6 +238,8 @@ def _text(value: object) -> str:
             return wave + (f", about {_text(value.mean)}" if value.mean != 0.0 else "")
         case functions.Table():
             return f"table of {len(value.times)} values, t = {value.times[0]:g} … {value.times[-1]:g}"
+        case ScaledNumber():
+            return f"{value.value:.6g} × {_text(value.factor)}"
         case Scaled():
             return f"{_text(value.value)} × {_text(value.factor)}"
         case Rotated():

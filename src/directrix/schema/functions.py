@@ -20,7 +20,7 @@ from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
 Array = NDArray[np.float64]
 Vec = tuple[float, float, float]
 
-__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "Sine", "Table", "Time", "VectorTable", "timed"]
+__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable", "timed"]
 
 
 class Table(Strict):
@@ -167,6 +167,17 @@ def timed(value: float | tuple[float, ...], factor: Time | None) -> Any:
             return functions.table(factor.t, [v * given for v in factor.value])
         case Pulse():
             return Scaled(value, factor)
+
+
+@dataclass(frozen=True)
+class ScaledNumber:
+    """A number times a factor of time."""
+
+    value: float
+    factor: Time
+
+    def __call__(self, t: float) -> float:
+        return self.factor(t) * self.value
 
 
 @dataclass(frozen=True)

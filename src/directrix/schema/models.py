@@ -13,6 +13,7 @@ from directrix.checks import step_count
 from directrix.errors import ModelError
 from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
 from directrix.schema.functions import Time, VectorTable
+from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
 
 __all__ = ["CURVES", "CaseFile", "Dynamics", "Output", "Statics"]
@@ -360,10 +361,12 @@ class PointMass(Strict):
 
 
 class RigidBody(PointMass):
-    """Rigid body on a node, its centre of mass there."""
+    """Rigid body on a node, its centre of mass there or ``offset`` from it."""
 
     inertia: Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
     """3×3 about its centre of mass, in the reference frame."""
+    offset: Vector | None = None
+    """From the node to its centre of mass, which is then a node "NODE.body" in a rigid joint of that name."""
 
 
 # --- what to do
@@ -506,12 +509,14 @@ class Output(Strict):
 
 
 class CaseFile(Strict):
-    """A case: sections, rods, what holds, moves and loads them, and one analysis."""
+    """A case: sections, rods, nodes, what joins, holds, moves and loads them, and one analysis."""
 
     title: str = ""
     description: str = ""
-    section: Annotated[dict[Name, Section], Field(min_length=1)]
-    rod: Annotated[tuple[Rod, ...], Field(strict=False, min_length=1)]
+    section: dict[Name, Section] = Field(default_factory=dict[str, Section])
+    rod: Annotated[tuple[Rod, ...], Field(strict=False)] = ()
+    node: Annotated[tuple[Node, ...], Field(strict=False)] = ()
+    joint: Annotated[tuple[AnyJoint, ...], Field(strict=False)] = ()
     support: Annotated[tuple[Support, ...], Field(strict=False)] = ()
     prescribe: Annotated[tuple[Prescribe, ...], Field(strict=False)] = ()
     force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
@@ -533,16 +538,36 @@ class CaseFile(Strict):
     dynamics: Dynamics | None = None
     output: Output = Output()
 
+    @property
+    def grounded(self) -> bool:
+        """True when something holds a part of the model."""
+        links = (*self.spring, *self.cable, *self.dashpot)
+        return bool(
+            self.support
+            or self.prescribe
+            or any(joint.b is None for joint in self.joint)
+            or any(not isinstance(link.b, str) for link in links)
+        )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not self.rod and not self.node:
+            raise refuse(
+                "the file has neither a [[rod]] nor a [[node]]",
+                "add a [[rod]] with its [section.…], or a [[node]] with a [[rigid_body]]",
+            )
+        return self
+
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
             raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
         if self.statics is not None and self.dynamics is not None:
             raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
-        if self.statics is not None and not self.support and not self.prescribe:
+        if self.statics is not None and not self.grounded:
             raise refuse(
                 "nothing is held, and statics needs a support for every part of the model",
-                "add a [[support]], or replace [statics] by [dynamics]",
+                "add a [[support]] or a [[joint]] with the ground, or replace [statics] by [dynamics]",
                 "statics",
             )
         for key in ("velocity", "rigid_velocity"):
