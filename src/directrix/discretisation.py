@@ -32,13 +32,12 @@ from directrix.groups import (
     lumped_at_nodes,
     mesh_rod,
     parameters_of,
-    refuse_driven,
-    routes_of,
 )
 from directrix.joint_groups import joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
+from directrix.routes import refuse_driven, routes_of
 from directrix.scheme import Scheme
 from directrix.section import Section
 from directrix.sources import Sources, sources_of
