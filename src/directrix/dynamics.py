@@ -80,7 +80,7 @@ def simulate(
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, Settings(tolerance))
     place_supports(disc, x, t0)
-    refuse_joints(newton, x)
+    refuse_joints(newton, x, fresh=start is None or start.kind == "static")
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):

@@ -19,9 +19,9 @@ __all__ = ["refuse_joints"]
 LARGEST = 2000  # constraints: beyond, their rank is not looked for
 
 
-def refuse_joints(newton: Newton, x: Array) -> None:
+def refuse_joints(newton: Newton, x: Array, *, fresh: bool = True) -> None:
     """Raise ModelError for joints that repeat what others or supports hold in the state ``x``, that are not together
-    there, or that its velocities pull apart."""
+    there, or, when ``fresh``, that its velocities pull apart (those of a step do so a little, of second order)."""
     disc, scheme = newton.disc, newton.scheme
     joints = disc.model.joints
     if not joints:
@@ -51,7 +51,7 @@ def refuse_joints(newton: Newton, x: Array) -> None:
                 "is not determined",
                 "let one of them hold less, e.g. a spherical or cylindrical joint for a hinge, or release a support",
             )
-    if scheme.static:
+    if scheme.static or not fresh:
         return
     omega = np.einsum("nci,nc->ni", x[:n, 3:12].reshape(n, 3, 3), axial_rates(x[:n]))
     rates = np.concatenate([x[:n, 24:27], omega], axis=1).ravel()

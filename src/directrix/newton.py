@@ -289,4 +289,7 @@ def _round_off(disc: Discretisation, inertia: float) -> tuple[float, float]:
         mass, spin = inertia * rod.section.A_rho * h, inertia * float(np.abs(rod.section.I_rho).max()) * h
         force = max(force, a * (1.0 + far / h) + b / h + mass * far)
         moment = max(moment, a * (h + far) + b + spin + mass * far * h)
+    for body in disc.model.bodies:
+        force = max(force, inertia * body.mass * far)
+        moment = max(moment, inertia * max(float(np.abs(body.euler).max()), body.mass * far * disc.length))
     return eps * force, eps * moment

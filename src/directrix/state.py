@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from directrix.checks import shown
 from directrix.discretisation import Discretisation, rates_of
 from directrix.errors import ModelError
-from directrix.formulations.joint import COORDINATE, TARGET
+from directrix.formulations.joint import TARGET
 from directrix.formulations.layout import HISTORY, PER_NODE
 from directrix.result import Result
 from directrix.rotations import exp
@@ -58,7 +58,7 @@ def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) ->
                 "start from a result of a model with the same joints",
             )
         if joints:
-            x[n : n + joints, COORDINATE] = start.history[-1][:joints, COORDINATE]
+            x[n : n + joints, :HISTORY] = start.history[-1][:joints]
         if has_history(start, scheme):
             x[n:, :HISTORY] = start.history[-1]
         elif any(g.history.size for g in disc.groups):
