@@ -21,7 +21,7 @@ from directrix.checks import number, shown, vector
 from directrix.errors import ModelError
 from directrix.formulations.layout import Layout
 from directrix.groups import Group, attached_groups, layout_of, lumped_at_nodes, mesh_rod, parameters_of
-from directrix.joint_groups import joint_groups, unused
+from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
@@ -296,7 +296,14 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     carried = scheme.static and any(g.element.rows(g.layout) for g in groups)
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0) + joint_groups(model.joints, scheme, names, r0, carried)
-    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
+    mesh = Mesh(
+        tuple(rods),
+        names,
+        r0,
+        tuple(notes),
+        tuple(joint.name for joint in model.joints),
+        *joint_ends(model.joints, names, r0),
+    )
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
     return Discretisation(

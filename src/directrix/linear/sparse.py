@@ -19,10 +19,10 @@ __all__ = ["BlockSparse"]
 class BlockSparse:
     """Analyse a block pattern once, then solve for many values.
 
-    The fill-reducing order is found once for the pattern; values go to their places by one permutation. Rows and columns
-    are scaled alike, so that multipliers of joints weigh as much as stiffnesses of any size: pivots are chosen, and
-    residuals judged, among comparable numbers. A solution whose residual is not small is computed again with full
-    pivoting.
+    The fill-reducing order is found once for the pattern; values go to their places by one permutation. Rows and
+    columns are scaled alike, so that multipliers of joints weigh as much as stiffnesses of any size: pivots are chosen,
+    and residuals judged, among comparable numbers. A solution whose residual is not small is computed again with
+    full pivoting.
 
     Parameters
     ----------
