@@ -1,5 +1,5 @@
 """5.7 Heavy top: a spinning body on a ball joint under gravity, and what is exact about it."""
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
+# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 
 from __future__ import annotations
 
@@ -48,8 +48,9 @@ def exact(t: float) -> Array:
         return np.array([-0.5 * q[1:] @ omega, *(0.5 * (q[0] * omega + np.cross(q[1:], omega))), *spin])
 
     start = np.array([1.0, 0.0, 0.0, 0.0, *SPIN])
-    end: Array = solve_ivp(rate, (0.0, t), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]  # pyright: ignore
-    return turned(end[:4] / np.linalg.norm(end[:4]), ARM) - ARM
+    end: Array = solve_ivp(rate, (0.0, t), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    quaternion: Array = end[:4] / float(np.linalg.norm(end[:4]))
+    return turned(quaternion, ARM) - ARM
 
 
 def _run() -> Iterator[Check]:
