@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from directrix.checks import number
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
@@ -53,9 +55,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what joints do
-    (joints, ≥ 6)."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), what joints do (joints, ≥ 6); by source
+    what was dissipated and the work done on elements; the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -64,6 +66,9 @@ class Books(NamedTuple):
     applied: Array
     ground: Array
     joints: Array
+    taken: Array
+    done: Array
+    scale: Array
 
 
 class Newton:
@@ -76,6 +81,7 @@ class Newton:
         self.disc, self.scheme, self.settings = disc, scheme, settings
         self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
         self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         # the compiled loops read 0/1
         self.mask = disc.held.astype(np.uint8)
         self.options = np.array(
@@ -86,6 +92,8 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.start: Array = np.zeros((0, 40))
+        """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     @cached_property
@@ -99,7 +107,7 @@ class Newton:
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
         first, at the rotations as they are.
         """
-        start = x.copy()
+        self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
         # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
         # iteration may solve for, do not always have the freedom to close joints
@@ -134,7 +142,7 @@ class Newton:
         """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
-        place = self.disc.mesh.label(blame)
+        place = self.disc.mesh.place(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
             return Status(
@@ -223,6 +231,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -250,10 +259,9 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work, n = self.work, self.disc.nodes
-        return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.joints
-        )
+        work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
+        applied, reaction = work.applied[:n], work.reaction[:n]
+        return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -261,6 +269,7 @@ class Newton:
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 

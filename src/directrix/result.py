@@ -109,6 +109,16 @@ class Mesh:
                 return f"{rod.name} at s = {rod.s[hit[0]]:.4g}"
         return f"node {index}"
 
+    def place(self, index: int) -> str:
+        """The same as part of a sentence: "node 'tip' of rod 'arm'"."""
+        label = self.label(index)
+        if label not in self.node_names:
+            return label
+        rods = [repr(rod.name) for rod in self.rods if index in rod.nodes]
+        if not rods:
+            return f"node {label!r}"
+        return f"node {label!r} of rod{'s' * (len(rods) > 1)} {', '.join(rods[:3])}" + " …" * (len(rods) > 3)
+
 
 @dataclass(frozen=True)
 class Status:
@@ -138,7 +148,9 @@ class Energy:
     ``work`` is all that came in from outside since the start, by loads and by prescribed motion
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
-    for a conserving step.
+    for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
+    every rod's section, fluids, numerical dissipation; ``work_by_source`` is ``work`` by what did it: loads, supports,
+    actuation, tendons, fluids that flow.
     """
 
     kinetic: Array
@@ -146,6 +158,8 @@ class Energy:
     work: Array
     prescribed: Array
     dissipated: Array
+    by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    work_by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation
 from directrix.formulations.element import (
+    FLOWS,
     Committed,
     Jointed,
     Lossy,
@@ -54,6 +55,9 @@ class Tables(NamedTuple):
     nodes: int
     lumped: Array
     damping: Array
+    damped: Ints
+    source: Ints
+    numerical: int
 
 
 class Work(NamedTuple):
@@ -77,6 +81,8 @@ class Work(NamedTuple):
     back: Array
     flow: Array
     ground: Array
+    taken: Array
+    done: Array
     joints: Array
     common: Array
 
@@ -99,7 +105,9 @@ def _kernels(group: Group) -> tuple[int, ...]:
         kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
         if element.rows(layout)
         else 0,
-        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
+        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout))
+        if group.lossy or group.works
+        else 0,
         kernel_address(f"acts {about}", lambda: record_acts(cast(Jointed, element), layout)) if group.jointed else 0,
     )
 
@@ -155,28 +163,40 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
         disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
-        _damping(disc, scheme),
+        *_damping(disc, scheme),
+        disc.sources.element,
+        disc.sources.numerical,
     )
 
 
-def _damping(disc: Discretisation, scheme: Scheme) -> Array:
-    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does."""
+def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
+    """(parts, stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε, and the source (parts, stations) it is booked
+    under: first the viscous sections, then the scheme; no parts when nothing dissipates."""
+    sources, chi = disc.sources, scheme.common[2]
+    matrices: list[Array] = []
+    booked: list[Ints] = []
+    if sources.material.max(initial=-1) >= 0:
+        matrices.append(_at_stations(disc, 6, scheme.common[1]))
+        booked.append(np.repeat(sources.material, [len(rod.stations) for rod in disc.mesh.rods]))
+    if sources.numerical >= 0 and chi:
+        matrices.append(_at_stations(disc, 1, 0.5 * chi))
+        booked.append(np.full(disc.stations, sources.numerical))
+    shape = (len(matrices), disc.stations)
+    return np.array(matrices).reshape(*shape, 6, 6), np.array(booked, np.int64).reshape(shape)
+
+
+def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:
+    """``factor`` times a matrix of the parameters, with the weights of the stress points, (stations, 6, 6)."""
     out = np.zeros((disc.stations, 6, 6))
-    if scheme.static or scheme.rates is Rates.ALPHA:
-        return out[:0]
-    chi = scheme.common[2]
     for group in disc.groups:
-        if group.names:
-            continue
         parts = group.layout.split(group.parameters.T)  # type: ignore[arg-type]
-        weights = gauss(group.layout.points)[1]
+        if group.names or not len(parts[block]):
+            continue
         unit: Any = np.eye(6)[:, :, None]
-        matrix = 0.5 * chi * np.array(symmetric_times(parts[1], unit))
-        if len(parts[6]):
-            matrix = matrix + scheme.common[1] * np.array(symmetric_times(parts[6], unit))
-        for k, w in enumerate(weights):
+        matrix = factor * np.array(symmetric_times(parts[block], unit))
+        for k, w in enumerate(gauss(group.layout.points)[1]):
             out[group.station + k] = (w / parts[2][k] * matrix).transpose(2, 0, 1)
-    return out if np.any(out) else out[:0]
+    return out
 
 
 def work_for(disc: Discretisation, scheme: Scheme) -> Work:
@@ -184,7 +204,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     n, rows = disc.rows, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, 10)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
     inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
@@ -201,10 +221,12 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
-        eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
+        eliminated=np.zeros((max(0, 6 * most - 12),) * 2),
         back=np.zeros((inside, 13)),
-        flow=np.zeros(9),
+        flow=np.zeros(10),
         ground=np.zeros(6),
+        taken=np.zeros(len(disc.sources.names)),
+        done=np.zeros(len(disc.sources.names)),
         joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
     )

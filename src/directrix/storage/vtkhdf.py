@@ -230,14 +230,20 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         root.create_dataset(name, data=json.dumps(value, default=_plain))
     for name in (*HISTORIES, "history", "joints"):
         _put(root, name, getattr(result, name))
-    group = root.create_group("links")
-    for k, (name, values) in enumerate(result.links.items()):
-        _put(group, str(k), values)
-        group[str(k)].attrs["name"] = name
+    for key, named in (
+        ("links", result.links),
+        ("dissipated_by_source", result.energy.by_source),
+        ("work_by_source", result.energy.work_by_source),
+    ):
+        group = root.create_group(key)
+        for k, (name, values) in enumerate(named.items()):
+            _put(group, str(k), values)
+            group[str(k)].attrs["name"] = name
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
         for key in fields(value):
-            _put(group, key.name, getattr(value, key.name))
+            if not key.name.endswith("by_source"):
+                _put(group, key.name, getattr(value, key.name))
 
     group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
     sizes = [(len(r.nodes), len(r.stations), len(r.outline), r.order, r.first_station) for r in mesh.rods]
@@ -276,10 +282,14 @@ def _read_result(root: Any) -> Result:
         name=text("name"),
         mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints, *ends),
         **{name: root[name][()] for name in HISTORIES},
-        links=_read_links(root["links"]) if "links" in root else {},
+        links=_read_named(root, "links"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
-        energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
+        energy=Energy(
+            **{name: data[()] for name, data in root["energy"].items()},
+            by_source=_read_named(root, "dissipated_by_source"),
+            work_by_source=_read_named(root, "work_by_source"),
+        ),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),
         audit=Audit(**audit),
@@ -289,7 +299,9 @@ def _read_result(root: Any) -> Result:
     )
 
 
-def _read_links(group: Any) -> dict[str, Array]:
+def _read_named(root: Any, key: str) -> dict[str, Array]:
+    """Arrays by name, in their order; a file from before there were any has none."""
+    group = root.get(key, {})
     ordered = [group[str(k)] for k in range(len(group))]
     return {str(data.attrs["name"]): data[()] for data in ordered}
 

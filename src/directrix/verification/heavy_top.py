@@ -37,7 +37,7 @@ def exact(t: float) -> Array:
     about = INERTIA + arm
 
     def turned(q: Array, vector: Array) -> Array:
-        w, u = q[0], q[1:]
+        w, u = float(q[0]), q[1:]
         return vector + 2.0 * np.cross(u, np.cross(u, vector) + w * vector)
 
     def rate(_: float, y: Array) -> Array:
