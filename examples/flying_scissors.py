@@ -132,7 +132,7 @@ def draw(result: dx.Result, stiff: dx.Result, known: np.ndarray, path: Path) -> 
         for rod in stiff.mesh.rods:
             middle.plot(*stiff.r[k, rod.nodes][:, [0, 2]].T, color="#1f6fb4", lw=2.2)
         middle.plot(*known[k].T, "o--", color="#d2601a", ms=4, lw=1)
-    middle.set(xlabel="x", ylabel="z", title="a thousand times as stiff, and rigid links (dashed)", aspect="equal")
+    middle.set(xlabel="x", ylabel="z", title="stiff links over rigid ones (dashed)", aspect="equal")
     force = result.joint("pin").force[1:]
     right.plot(result.t[1:], force[:, 0], color="#c0392f", label="$F_x$")
     right.plot(result.t[1:], force[:, 2], color="#2463ab", label="$F_z$")
