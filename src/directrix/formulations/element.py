@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
-from directrix.kernels.trace import Graph, Sym, cross, derivative
+from directrix.kernels.jacobian import jacobian
+from directrix.kernels.trace import Graph, Sym, cross
 
 __all__ = [
     "COMMON",
@@ -89,16 +90,18 @@ def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
     out, moving, turning = element.step(layout, x, p, g)
     size = 6 * layout.nn
     results, places = list(out), list(range(size))
-    # column after column: what one direction computes is used while it is at hand
+    seeds: list[dict[Sym, Sym | float]] = []
     for b in range(layout.nn) if tangent else ():
         for k in range(6):
             if k < 3:
-                seed = {v[k]: 1.0 for v in moving[b]}
+                seeds.append({v[k]: 1.0 for v in moving[b]})
             else:
                 e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
-                seed = {d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))}
-            results += derivative(graph, out, seed)
-            places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
+                seeds.append({d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))})
+    for column, slopes in enumerate(jacobian(graph, out, seeds)):
+        b, k = divmod(column, 6)
+        results += slopes
+        places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
     return graph, results, places
 
 
