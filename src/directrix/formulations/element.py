@@ -18,6 +18,7 @@ __all__ = [
     "record_commit",
     "record_lost",
     "record_step",
+    "step_of",
 ]
 
 COMMON = 8  # scalars that all elements of a run share
@@ -87,6 +88,13 @@ def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
     graph, x, p, g = _inputs(element, layout)
+    return graph, *step_of(graph, element, layout, x, p, g, tangent)
+
+
+def step_of(
+    graph: Graph, element: Element, layout: Layout, x: Sequence[Sym], p: Sequence[Sym], g: Sequence[Sym], tangent: bool
+) -> tuple[list[Sym], list[int]]:
+    """What :func:`record_step` records, for inputs that are there already."""
     out, moving, turning = element.step(layout, x, p, g)
     size = 6 * layout.nn
     results, places = list(out), list(range(size))
@@ -102,7 +110,7 @@ def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
         b, k = divmod(column, 6)
         results += slopes
         places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
-    return graph, results, places
+    return results, places
 
 
 def record_audit(element: Element, layout: Layout) -> Recorded:

@@ -17,7 +17,7 @@ import numpy as np
 
 __all__ = ["FUNCTIONS", "Graph", "Sym", "cross", "derivative", "dot", "needed", "replay", "slopes"]
 
-Op = Literal["in", "const", "add", "sub", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh"]
+Op = Literal["in", "const", "add", "sub", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh", "abs", "max"]
 Number = float | int
 
 FUNCTIONS: dict[str, Callable[[Any], Any]] = {
@@ -133,6 +133,10 @@ class Graph:
             return a
         return self._intern("div", a.index, b.index)
 
+    def larger(self, a: Sym, b: Sym) -> Sym:
+        """max(a, b)."""
+        return self._intern("max", a.index, b.index)
+
     def call(self, function: Op, a: Sym) -> Sym:
         """``function(a)``, one of FUNCTIONS."""
         x = self.value_of(a.index)
@@ -204,6 +208,14 @@ class Sym:
 
     def tanh(self) -> Sym:
         return self.graph.call("tanh", self)
+
+    def size(self) -> Sym:
+        """|value|, of which no derivative is taken."""
+        return self.graph._intern("abs", self.index)
+
+    def larger(self, other: Sym) -> Sym:
+        """The larger of two, of which no derivative is taken; a NaN in the other is returned."""
+        return self.graph.larger(self, other)
 
     def sinh(self) -> Sym:
         return 0.5 * (self.exp() - (-self).exp())
