@@ -125,27 +125,33 @@ class DynamicBooks:
 
     def add(self, books: Books) -> None:
         """Book one step."""
-        totals, flow = books.totals, books.flow
-        self.work += flow[0] + flow[1]
-        self.prescribed += flow[1]
-        self.dissipated += flow[8]
-        self.given = max(self.given, -float(flow[8]))
-        self.impulse += self.dt * flow[2:8]
+        self.add_steps(books.totals[None, :8], books.flow[None])
+        self.turn.add(books.totals)
+
+    def add_steps(self, totals: Array, flow: Array) -> None:
+        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 9) as in :class:`Books`."""
+        work, dissipated = self.work + np.cumsum(flow[:, 0] + flow[:, 1]), self.dissipated + np.cumsum(flow[:, 8])
+        impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
+        self.given = max(self.given, -float(flow[:, 8].min()))
         self.turnover += (
-            abs(flow[0]) + abs(flow[1]),
-            self.dt * np.linalg.norm(flow[2:5]),
-            self.dt * np.linalg.norm(flow[5:8]),
+            np.abs(flow[:, :2]).sum(),
+            self.dt * np.linalg.norm(flow[:, 2:5], axis=1).sum(),
+            self.dt * np.linalg.norm(flow[:, 5:8], axis=1).sum(),
         )
-        energy = float(totals[0] + totals[1])
-        self.energy, self.kinetic = max(self.energy, energy), max(self.kinetic, float(totals[1]))
-        change = totals[2:8] - self.start[2:8] - self.impulse
-        off = (
-            abs(energy - self.start[0] - self.start[1] - self.work + self.dissipated),
-            np.linalg.norm(change[:3]),
-            np.linalg.norm(change[3:]),
+        energy = totals[:, 0] + totals[:, 1]
+        self.energy = max(self.energy, float(energy.max()))
+        self.kinetic = max(self.kinetic, float(totals[:, 1].max()))
+        change = totals[:, 2:8] - self.start[2:8] - impulse
+        off = np.stack(
+            [
+                np.abs(energy - self.start[0] - self.start[1] - work + dissipated),
+                np.linalg.norm(change[:, :3], axis=1),
+                np.linalg.norm(change[:, 3:], axis=1),
+            ]
         )
-        self.off = np.fmax(self.off, off)
-        self.turn.add(totals)
+        self.off = np.fmax(self.off, np.fmax.reduce(off, axis=1))
+        self.work, self.dissipated, self.impulse = float(work[-1]), float(dissipated[-1]), impulse[-1]
+        self.prescribed += float(flow[:, 1].sum())
 
     @property
     def flows(self) -> tuple[float, float, float]:

@@ -228,16 +228,23 @@ class Newton:
         return x[: self.disc.nodes, :3] + self.origin
 
     def _follow(self, x: Array) -> None:
-        """Measure the positions of a free model from a point that goes along with it.
+        """Measure the positions of a free model from a point that goes along with it."""
+        shift = self.shift(x[0, :3])
+        if shift is not None:
+            x[: self.disc.nodes, :3] -= shift
+
+    def shift(self, first: Array) -> Array | None:
+        """By how much the origin moves along with a model whose first node is at ``first``; None where it stays.
 
         Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
         of two, so no digit of a position changes.
         """
-        if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
-            grain = 2.0 ** np.floor(np.log2(self.disc.length))
-            shift = np.rint(x[0, :3] / grain) * grain
-            x[: self.disc.nodes, :3] -= shift
-            self.origin += shift
+        if np.abs(first).max() <= 8.0 * self.disc.length:
+            return None
+        grain = 2.0 ** np.floor(np.log2(self.disc.length))
+        shift = np.rint(first / grain) * grain
+        self.origin += shift
+        return shift
 
     def _about_zero(self) -> Books:
         if self.free:

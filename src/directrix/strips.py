@@ -167,12 +167,10 @@ class Strips:
         for part in self.parts:
             part.strip.x.reshape(-1, rows.NODE, LANES)[:, :3] -= by[:, None]
 
-    def run(self, steps: int) -> Array:
-        """Take ``steps`` steps, or as many as converge; a row of results each, see :func:`kernels.strips.run`."""
-        results = np.zeros((steps, 17))
+    def run(self, results: Array) -> None:
+        """Take a step for every row of ``results``, or as many as converge; see :func:`kernels.strips.run`."""
         main, rest = (part.strip for part in self.parts)
-        taken = kernel.run(self.code, main, rest, self.g, self.work, self.options, results)
-        return results[:taken]
+        kernel.run(self.code, main, rest, self.g, self.work, self.options, results)
 
     def reaction(self, out: Array) -> Array:
         """The support forces of the last step (n, 6)."""
