@@ -118,6 +118,8 @@ class DynamicBooks:
         self.work = self.prescribed = self.dissipated = self.given = 0.0
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
+        self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
+        self.waiting: list[tuple[Array, Array]] = []
         self.off = np.zeros(3)
         self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
         self.turn = _Turn(disc)
@@ -125,12 +127,28 @@ class DynamicBooks:
 
     def add(self, books: Books) -> None:
         """Book one step."""
-        self.add_steps(books.totals[None, :8], books.flow[None])
+        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy())
         self.turn.add(books.totals)
 
     def add_steps(self, totals: Array, flow: Array) -> None:
-        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 9) as in :class:`Books`."""
-        work, dissipated = self.work + np.cumsum(flow[:, 0] + flow[:, 1]), self.dissipated + np.cumsum(flow[:, 8])
+        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 9) as in :class:`Books`.
+
+        The arrays are kept: what only the verdict needs is worked out for many steps at once.
+        """
+        for row in flow[:, (0, 1, 8)].tolist():
+            self.work += row[0] + row[1]
+            self.prescribed += row[1]
+            self.dissipated += row[2]
+        self.waiting.append((totals, flow))
+        if len(self.waiting) >= 512:
+            self._settle()
+
+    def _settle(self) -> None:
+        if not self.waiting:
+            return
+        totals, flow = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        self.waiting = []
+        work, dissipated = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1]), self.settled[1] + np.cumsum(flow[:, 8])
         impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
         self.given = max(self.given, -float(flow[:, 8].min()))
         self.turnover += (
@@ -150,8 +168,7 @@ class DynamicBooks:
             ]
         )
         self.off = np.fmax(self.off, np.fmax.reduce(off, axis=1))
-        self.work, self.dissipated, self.impulse = float(work[-1]), float(dissipated[-1]), impulse[-1]
-        self.prescribed += float(flow[:, 1].sum())
+        self.settled, self.impulse = (float(work[-1]), float(dissipated[-1])), impulse[-1]
 
     @property
     def flows(self) -> tuple[float, float, float]:
@@ -160,6 +177,7 @@ class DynamicBooks:
 
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
+        self._settle()
         momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
         scale = (
             max(self.energy, self.turnover[0], self.least),

@@ -182,6 +182,9 @@ def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) 
 
 def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     """Numbering and blocks for elements that join the nodes (a, b)."""
+    joined: Ints = np.array(elements, np.int64).reshape(-1, 2)
+    if len(joined) and np.all(joined[1:, 0] == joined[:-1, 1]) and len(np.unique(joined)) == len(joined) + 1:
+        return _in_line(n, np.append(joined[:, 0], joined[-1, 1]))
     ends = np.unique(np.array(elements, np.int64).ravel())
     near: dict[int, list[int]] = {int(k): [] for k in ends}
     for a, b in elements:
@@ -219,6 +222,18 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
         np.array([at[i][i] for i in range(len(rows))], np.int64),
         np.array(dest, np.int64),
     )
+
+
+def _in_line(n: int, order: Ints) -> Pattern:
+    """The pattern of elements that follow one another along the nodes ``order``."""
+    rows = np.arange(len(order))
+    row = np.full(n, -1, np.int64)
+    row[order] = rows
+    own = 3 * rows + 1
+    return Pattern(
+        True, row, order, np.append(3 * rows, 3 * len(rows)), (rows[:, None] + np.arange(-1, 2)).ravel(), own,
+        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1),
+    )  # fmt: skip
 
 
 def discretise(model: Model, scheme: Scheme) -> Discretisation:

@@ -153,9 +153,11 @@ def simulate(
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
-    if fast is not None and fast.inside and saved < k:
-        books = fast.books(x)
-        unsaved = newton.positions(x), x
+    if fast is not None:
+        fast.close(ledger)
+        if fast.inside and saved < k:
+            books = fast.books(x)
+            unsaved = newton.positions(x), x
     if unsaved is not None:
         recorder.keep(before, 1.0, *unsaved, books, ledger.flows)
     info = {

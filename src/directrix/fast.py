@@ -29,7 +29,7 @@ class Fast:
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
         self.results = np.zeros((0, 17))
-        self.energy = 0.0
+        self.energy = self.loss = 0.0
 
     def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks) -> list[int]:
         """Take up to ``count`` steps and book them; the iterations of those that converged."""
@@ -50,15 +50,20 @@ class Fast:
         if len(rows):
             flow, totals = np.zeros((len(rows), 9)), rows[:, 8:16]
             flow[:, 0], flow[:, 2:8] = rows[:, 1], rows[:, 2:8]
-            if self.newton.free:
+            if self.newton.free and self.newton.origin.any():
                 flow[:, 5:8] += np.cross(self.newton.origin, flow[:, 2:5])
                 totals[:, 5:8] += np.cross(self.newton.origin, totals[:, 2:5])
+            if self.newton.free:
                 self._follow()
             ledger.add_steps(totals, flow)
             self.energy = float(totals[-1, 0] + totals[-1, 1])
-            dots, element = self.strips.largest_turn()
-            ledger.turn.add(np.array([*totals[-1], dots, element, rows[:, 16].max()]))
+            self.loss = max(self.loss, float(rows[:, 16].max()))
         return [int(n) for n in rows[:, 0]]
+
+    def close(self, ledger: DynamicBooks) -> None:
+        """Book what is known only at the end: the largest turn and loss of orthonormality of all steps."""
+        dots, element = self.strips.largest_turn()
+        ledger.turn.add(np.array([*[0.0] * 8, dots, element, self.loss]))
 
     def give(self, x: Array) -> None:
         """Write the state into ``x`` and leave the lanes."""

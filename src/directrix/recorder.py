@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Literal
 
@@ -90,6 +91,7 @@ class Recorder:
         )
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return version(name)

@@ -142,7 +142,7 @@ class Strips:
         self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
-        self.many = max(1, min(64, 100_000 // len(order)))
+        self.many = max(1, min(256, 100_000 // len(order)))
 
     def set_load(self, external: Array) -> None:
         """The loads (n, 12) that act in the next steps."""

@@ -20,7 +20,8 @@ STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANC
 OUT = 156
 SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
-SHRUNK = 0.1  # an increment that is this much smaller than the last may be followed by one with the same factors
+SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
+REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
 ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS = 0, 1, 2, 5, 8, 16
 
@@ -214,25 +215,23 @@ def _iterate(code, main, rest, g, w, options):
         _move(code, main, w.scale)
         _move(code, rest, w.scale)
         if frozen or turned > LARGE_TURN:
-            frozen, again = not frozen and options[6] > 0.0, False
-            before = 0.0
+            frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
             continue
         size = max(moved / length, turned)
-        shrunk = before > 0.0 and size < SHRUNK * before
+        # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
+        rate = size / before if before > 0.0 else 1.0
+        if not again:
+            rate *= rate
+        settled = not again or size * rate <= SETTLED
         small = moved <= 1e-9 * length and turned <= 1e-9
-        again_now = again
-        again = shrunk
-        if small or again:
+        again = small or (rate < 0.1 and size * rate ** (REUSES + 1) <= SETTLED)
+        before = size
+        if again:
             worst = _imbalance(code, main, rest, g, w, options)
-            # after an old tangent the error left is this increment times the last reduction
-            settled = not again_now or size * size <= 1e-15 * before
             if small and settled and worst <= 1.0:
                 return iteration
             if not worst < 1e300:
                 return 0
-            if small:
-                again = True
-        before = size
     return 0
 
 
