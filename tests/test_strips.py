@@ -15,8 +15,8 @@ RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
 
 
-def rod(curve: dx.Curve = LINE, elements: int = 21, ends: tuple[str, str] = ("A", "B")) -> dx.Model:
-    return dx.Model().rod(curve, RUBBER, name="rod", ends=ends, elements=elements, order=1)
+def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1) -> dx.Model:
+    return dx.Model().rod(curve, RUBBER, name="rod", ends=("A", "B"), elements=elements, order=order)
 
 
 def flight(elements: int) -> dx.Model:
@@ -35,6 +35,8 @@ CASES = {
     "held inside": rod(elements=20).pin("A").clamp("B").force("A", (1, 0, 0)).gravity((0, -9.81, 0)),
     "directors along chords": rod(dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0), directors="chord")).pin("A").gravity((0, 0, -9)),
     "a corner": corner(),
+    "quadratic": rod(elements=9, order=2).pin("A").gravity((0, -2, -9.81)).moment("B", (0, 0.02, 0.01)),
+    "quadratic and bent": rod(dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0)), 8, 2).velocity("A", (0, 0, -1)),
     "a load that changes": rod().clamp("A").force("B", lambda t: (0.0, 0.0, 5.0 * np.sin(9 * t))),
     "against the chain": dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), RUBBER, ends=("B", "A"), elements=9, order=1)
     .rod(dx.line((-1, 0, 0), (0, 0, 0)), RUBBER, ends=("C", "B"), elements=9, order=1).pin("C").gravity((0, 0, -9)),
@@ -102,6 +104,7 @@ def test_what_it_cannot_do_is_left_to_the_general_way() -> None:
     assert not qualifies(rod().force("B", (0, 0, 1), follower=True))
     assert not qualifies(rod().prescribe("A", displacement=lambda t: (0, 0, t)))
     assert not qualifies(rod(elements=3))
+    assert not qualifies(rod(order=3))
     assert not qualifies(rod(), dx.GeneralizedAlpha(0.8))
     assert not qualifies(rod(), dx.EnergyDissipating(0.5))
 

@@ -31,27 +31,31 @@ ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are on
 
 
 class Strip(NamedTuple):
-    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real. See :mod:`directrix.kernels.strips`."""
+    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element. See :mod:`directrix.kernels.strips`."""
 
     elements: int
     lanes: int
+    stride: int
     parameters: int
     x: Array
     p: Array
     load: Array
+    first_load: Array
     free: Array
+    first_free: Array
     still: Array
     held: NDArray[np.uint8]
     own: Array
     row: Array
+    within: Array
     out: Array
+    small: Array
     carry: Array
     res: Array
     f: Array
     du: Array
     start: Array
     turn: Array
-    nothing: Array
 
 
 class Joints(NamedTuple):
@@ -75,7 +79,7 @@ class Joints(NamedTuple):
 
 
 class Part(NamedTuple):
-    """Where the lanes of a strip come from: ``nodes`` (elements + 1, LANES) and ``members`` (elements, LANES)."""
+    """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES) and ``members`` (elements, LANES)."""
 
     strip: Strip
     nodes: Ints
@@ -94,13 +98,13 @@ def _chain(disc: Discretisation) -> Ints | None:
 
 
 def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
-    """The fast way for a model, or None: one chain of two-node elements of one kind that all point one way, a midpoint
+    """The fast way for a model, or None: one chain of linear or quadratic elements of one kind that all point one way, a midpoint
     step without damping, supports that stay and loads that keep their direction."""
     order = _chain(disc)
     if order is None or scheme.rates is not Rates.MIDPOINT or damped or disc.prescribed:
         return None
     group = disc.groups[0]
-    if not isinstance(group.element, DirectorStep) or group.layout.nn != 2 or len(order) < 2 * LANES:
+    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < 2 * LANES:
         return None
     if any(load.first >= 6 for load in disc.loads):
         return None
@@ -127,7 +131,8 @@ class Strips:
         aligned = not np.array_equal(self.frames, np.broadcast_to(np.eye(3), self.frames.shape))
         self.code = _code(group, aligned)
         conn = group.conn[order]
-        chain = np.append(conn[:, 0], conn[-1, 1])
+        chain = np.append(conn[:, :-1].ravel(), conn[-1, -1])
+        stride = group.layout.nn - 1
         length = len(order) // LANES
         left = len(order) - length * LANES
         first = length * np.arange(LANES)
@@ -135,10 +140,10 @@ class Strips:
         p = group.parameters[order][:, 9 * group.layout.nn if aligned else 0 :]
         self.fixed = disc.fixed
         self.parts = [
-            _part(chain, order, p, begin, many, lanes, disc.fixed)
+            _part(chain, order, stride, p, begin, many, lanes, disc.fixed)
             for begin, many, lanes in ((first, length, LANES), (more, 1, left))
         ]
-        self.joints = chain[[*first, *range(length * LANES, len(chain))]]
+        self.joints = chain[::stride][[*first, *range(length * LANES, len(order) + 1)]]
         self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
@@ -148,7 +153,9 @@ class Strips:
         """The loads (n, 12) that act in the next steps."""
         dead = np.ascontiguousarray(external[:, :6])
         for part in self.parts:
-            part.strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
+            strip = part.strip
+            strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
+            strip.first_load[6 * LANES :] = strip.load[6 * LANES : strip.first_load.size]
         self.work.load[:] = dead[self.joints]
         self.work.largest[:] = np.abs(dead[:, :3]).max(), np.abs(dead[:, 3:]).max()
 
@@ -195,26 +202,34 @@ class Strips:
         return worst, where
 
 
-def _part(chain: Ints, order: Ints, p: Array, first: Ints, many: int, lanes: int, fixed: Array) -> Part:
-    at = first + np.arange(many + 1)[:, None]
-    nodes, members = chain[at], at[:-1]
-    free = 1.0 - fixed[nodes].transpose(0, 2, 1)  # (many + 1, 6, LANES)
+def _part(
+    chain: Ints, order: Ints, stride: int, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
+) -> Part:
+    at = stride * first + np.arange(stride * many + 1)[:, None]
+    nodes, members = chain[at], first + np.arange(many)[:, None]
+    free = 1.0 - fixed[nodes].transpose(0, 2, 1)  # (nodes, 6, LANES)
     still = free.copy()
     still[:, 3:] = 0.0
-    own = np.zeros((many + 1, LANES))
+    own = np.zeros((len(nodes), LANES))
     own[:-1, :lanes] = 1.0
     if lanes:
         own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
+    first_free = free[:stride].copy()
+    first_free[0] = 0.0
 
     def lane(values: int, count: int = 1) -> Array:
         return np.zeros(count * values * LANES)
 
+    nn = stride + 1
+    out = lane(6 * nn + 36 * nn * nn)
     strip = Strip(
-        many, lanes, p.shape[1],
-        x=lane(rows.NODE, many + 1), p=p[members].transpose(0, 2, 1).ravel(), load=lane(6, many + 1),
-        free=free.ravel(), still=still.ravel(), held=(free == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(),
-        row=lane(rows.ROW, many + 1), out=lane(156), carry=lane(rows.CARRY), res=lane(6, many + 1), f=lane(6),
-        du=lane(6, many + 1), start=lane(3, many + 1), turn=np.full(many * LANES, -3.0), nothing=lane(6),
+        many, lanes, stride, p.shape[1],
+        x=lane(rows.NODE, len(nodes)), p=p[members].transpose(0, 2, 1).ravel(), load=lane(6, len(nodes)),
+        first_load=lane(6, stride), free=free.ravel(), first_free=first_free.ravel(), still=still.ravel(),
+        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
+        within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
+        carry=lane(rows.CARRY), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)), start=lane(3, len(nodes)),
+        turn=np.full(many * LANES, -3.0),
     )  # fmt: skip
     return Part(strip, nodes, order[members])
 
@@ -243,8 +258,11 @@ def _code(group: Group, aligned: bool) -> Ints:
             lane_address("backward", rows.backward),
             lane_address("measure", rows.measure),
             lane_address("move", rows.move),
-            lane_address("balance", rows.residual),
+            lane_address(f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
             lane_address("finish", rows.finish),
+            lane_address("condense", lambda: rows.condense(masked=False)) if layout.nn > 2 else 0,
+            lane_address("condense hold", lambda: rows.condense(masked=True)) if layout.nn > 2 else 0,
+            lane_address("inside", rows.inside) if layout.nn > 2 else 0,
         ],
         np.int64,
     )

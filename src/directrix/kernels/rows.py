@@ -19,7 +19,10 @@ from directrix.formulations.layout import PER_NODE, Layout, Scalar
 from directrix.kernels.lanes import Code, Store
 from directrix.kernels.trace import Graph, Sym, cross, dot
 
-__all__ = ["CARRY", "NODE", "ROW", "backward", "eliminate", "finish", "forward", "measure", "move", "residual"]
+__all__ = [
+    "CARRY", "NODE", "ROW", "audit", "backward", "condense", "eliminate", "finish", "forward", "inside", "measure",
+    "move", "residual", "step",
+]  # fmt: skip
 
 NODE = 36  # values of a node: (r1, R1), (Δr, R0), rates
 ROW = 186  # D⁻¹, L, G, P, Q by rows, y
@@ -75,19 +78,27 @@ def _column(values: Sequence[Scalar]) -> Matrix:
     return [[v] for v in values]
 
 
+def _held(
+    free: Sequence[Scalar], d: Matrix, f: Matrix, u: Matrix, b: Sequence[Scalar]
+) -> tuple[Matrix, Matrix, Matrix, list[Scalar]]:
+    """A row of blocks whose components are held where ``free`` is 0: the increment there is 0."""
+    own = [[free[i] * v + (1.0 - free[i] if i == j else 0.0) for j, v in enumerate(row)] for i, row in enumerate(d)]
+    f, u = ([[m * v for v in row] for m, row in zip(free, block, strict=True)] for block in (f, u))
+    return own, f, u, [m * v for m, v in zip(free, b, strict=True)]
+
+
 def eliminate(masked: bool) -> Code:
     """One inner node: ``out`` of the element behind it, ``load`` (6) on it, ``free`` (6) where it is not held."""
     graph = Graph()
     out, carry, load = graph.inputs("out", 156), graph.inputs("carry", CARRY), graph.inputs("load", 6)
-    aa, ba, ab, bb = (_matrix(out[12 + 36 * k : 48 + 36 * k]) for k in range(4))
+    k = _blocks(out, 2)
+    aa, ba, ab, bb = k[0, 0], k[1, 0], k[0, 1], k[1, 1]
     d, f, g = (_matrix(carry[36 * k : 36 * k + 36]) for k in range(3))
     d = [[p + q for p, q in zip(*rows, strict=True)] for rows in zip(d, aa, strict=True)]
     b = [carry[108 + i] + (load[i] - out[i]) for i in range(6)]
     if masked:
         free = graph.inputs("free", 6)
-        d = [[free[i] * v + (1.0 - free[i] if i == j else 0.0) for j, v in enumerate(row)] for i, row in enumerate(d)]
-        ab, f = ([[free[i] * v for v in row] for i, row in enumerate(m)] for m in (ab, f))
-        b = [m * v for m, v in zip(free, b, strict=True)]
+        d, f, ab, b = _held(free, d, f, ab, b)
     di = inverse(d)
     p, q, y = times(di, ab), times(di, f), times(di, _column(b))
     stores = [Store("row", k, v) for k, v in enumerate([*_flat(di), *_flat(ba), *_flat(g), *_flat(p), *_flat(q)])]
@@ -105,6 +116,52 @@ def eliminate(masked: bool) -> Code:
     stores += [Store("carry", k, v) for k, v in zip(places, after, strict=True)]
     arrays = ("out", "carry", "load", "row", *(("free",) if masked else ()))
     return Code(graph, arrays, stores, recorded=True)
+
+
+def _blocks(out: Sequence[Scalar], nn: int) -> dict[tuple[int, int], Matrix]:
+    """∂(force on a)/∂(increment of b) by (a, b), from the results of an element of ``nn`` nodes."""
+    at = {(a, b): 6 * nn + 36 * (nn * b + a) for a in range(nn) for b in range(nn)}
+    return {key: _matrix(out[first : first + 36]) for key, first in at.items()}
+
+
+def condense(masked: bool) -> Code:
+    """The middle node of an element of three nodes: what is left in ``small`` is an element of two.
+
+    Its ``row`` is that of an inner node with the last node as the next and the first as the first.
+    """
+    graph = Graph()
+    out, load = graph.inputs("out", 342), graph.inputs("load", 6)
+    k = _blocks(out, 3)
+    d, to_first, to_last = k[1, 1], k[1, 0], k[1, 2]
+    b = [p - f for p, f in zip(load, out[6:12], strict=True)]
+    if masked:
+        free = graph.inputs("free", 6)
+        d, to_first, to_last, b = _held(free, d, to_first, to_last, b)
+    di = inverse(d)
+    p, q, y = times(di, to_last), times(di, to_first), times(di, _column(b))
+    row = [*_flat(di), *_flat(k[2, 1]), *_flat(k[0, 1]), *_flat(p), *_flat(q), *_flat(y)]
+    small = [
+        *_flat(times(k[0, 1], y, _column(out[:6]))),
+        *_flat(times(k[2, 1], y, _column(out[12:]))),
+        *_flat(times(k[0, 1], q, k[0, 0], -1)),
+        *_flat(times(k[2, 1], q, k[2, 0], -1)),
+        *_flat(times(k[0, 1], p, k[0, 2], -1)),
+        *_flat(times(k[2, 1], p, k[2, 2], -1)),
+    ]
+    stores = [*(Store("row", i, v) for i, v in enumerate(row)), *(Store("small", i, v) for i, v in enumerate(small))]
+    return Code(graph, ("out", "load", "row", "small", *(("free",) if masked else ())), stores, recorded=True)
+
+
+def inside() -> Code:
+    """A new right-hand side ``res`` (18) of an element of three nodes through the row of its middle node."""
+    graph = Graph()
+    row, res = graph.inputs("row", ROW), graph.inputs("res", 18)
+    di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
+    y = times(di, _column(res[6:12]))
+    ends = [*_flat(times(g, y, _column(res[:6]), -1)), *_flat(times(l, y, _column(res[12:]), -1))]
+    stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
+    stores += [Store("res", k, v) for k, v in zip([*range(6), *range(12, 18)], ends, strict=True)]
+    return Code(graph, ("row", "res"), stores, recorded=True)
 
 
 def forward() -> Code:
@@ -161,22 +218,23 @@ def move() -> Code:
     return Code(graph, ("x", "du", "c"), stores, ("c",))
 
 
-def residual() -> Code:
-    """``res`` = load − forces of the elements on both sides, and the largest so far (``most``): force and moment of an
-    element, force and moment out of balance; then a sum of all that shows what is not finite."""
+def residual(nn: int) -> Code:
+    """``res`` = load − forces of the elements on both sides of the first node of an element of ``nn``, and on the nodes
+    between; ``f`` goes along from element to element. The largest so far (``most``): force and moment of an element,
+    force and moment out of balance; then a sum of all that shows what is not finite."""
     graph = Graph()
-    force, before, load, free = (graph.inputs(name, n) for name, n in (("out", 12), ("f", 6), ("load", 6), ("free", 6)))
-    most = list(graph.inputs("most", 5))
-    res = [load[i] - (before[i] + force[i]) for i in range(6)]
-    for k in range(12):
-        at = 0 if k % 6 < 3 else 1
-        most[at] = most[at].larger(force[k].size())
-    for k in range(6):
-        at = 2 if k < 3 else 3
-        most[at] = most[at].larger((free[k] * res[k]).size())
+    count = 6 * (nn - 1)
+    force, before, load = graph.inputs("out", 6 * nn), graph.inputs("f", 6), graph.inputs("load", count)
+    free, most = graph.inputs("free", count), list(graph.inputs("most", 5))
+    on = [b + f for b, f in zip(before, force[:6], strict=True)] + force[6:count]
+    res = [p - f for p, f in zip(load, on, strict=True)]
+    for k, f in enumerate(force):
+        most[k % 6 // 3] = most[k % 6 // 3].larger(f.size())
+    for k, (m, r) in enumerate(zip(free, res, strict=True)):
+        most[2 + k % 6 // 3] = most[2 + k % 6 // 3].larger((m * r).size())
     most[4] = most[4] + sum(res[1:], res[0])
     stores = [Store("res", k, v) for k, v in enumerate(res)]
-    stores += [Store("f", k, force[6 + k]) for k in range(6)]
+    stores += [Store("f", k, v) for k, v in enumerate(force[count:])]
     stores += [Store("most", k, v) for k, v in enumerate(most)]
     return Code(graph, ("out", "f", "load", "free", "res", "most"), stores)
 

@@ -16,8 +16,10 @@ from directrix.kernels.rows import CARRY, NODE, ROW
 
 __all__ = ["pack", "run", "unpack"]
 
-STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH = range(11)
-OUT = 156
+(
+    STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, CONDENSE, CONDENSE_HOLD,
+    INSIDE,
+) = range(14)  # fmt: skip
 SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
@@ -29,37 +31,47 @@ ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS = 0, 1, 2, 5, 8, 16
 @inner
 def _tangent(code, s, g, frozen):
     """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
+    small = s.small
     for e in range(s.elements):
-        call_lanes(code[STEP], (s.x, s.p, g, s.out), (e * X, e * s.parameters * LANES, 0, 0))
+        at = e * s.stride
+        call_lanes(code[STEP], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        if s.stride == 2:
+            middle = (at + 1) * SIX
+            if frozen:
+                call_lanes(
+                    code[CONDENSE_HOLD], (s.out, s.load, s.within, small, s.still), (0, middle, e * R, 0, middle)
+                )
+            else:
+                call_lanes(code[CONDENSE], (s.out, s.load, s.within, small), (0, middle, e * R, 0))
         if e == 0:
             # D, F, G of the next node are BB, BA, AB; b the force on it
             for k in range(36 * LANES):
-                s.carry[k] = s.out[120 * LANES + k]
-                s.carry[36 * LANES + k] = s.out[48 * LANES + k]
-                s.carry[72 * LANES + k] = s.out[84 * LANES + k]
-                s.carry[120 * LANES + k] = s.out[12 * LANES + k]
+                s.carry[k] = small[120 * LANES + k]
+                s.carry[36 * LANES + k] = small[48 * LANES + k]
+                s.carry[72 * LANES + k] = small[84 * LANES + k]
+                s.carry[120 * LANES + k] = small[12 * LANES + k]
             for k in range(SIX):
-                s.carry[108 * LANES + k] = -s.out[SIX + k]
-                s.carry[156 * LANES + k] = -s.out[k]
+                s.carry[108 * LANES + k] = -small[SIX + k]
+                s.carry[156 * LANES + k] = -small[k]
         elif frozen:
-            call_lanes(
-                code[HOLD], (s.out, s.carry, s.load, s.row, s.still), (0, 0, e * SIX, e * R, e * SIX)
-            )  # fmt: skip
+            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.still), (0, 0, at * SIX, e * R, at * SIX))
         elif s.held[e]:
-            call_lanes(code[HOLD], (s.out, s.carry, s.load, s.row, s.free), (0, 0, e * SIX, e * R, e * SIX))
+            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.free), (0, 0, at * SIX, e * R, at * SIX))
         else:
-            call_lanes(code[ELIMINATE], (s.out, s.carry, s.load, s.row), (0, 0, e * SIX, e * R))
+            call_lanes(code[ELIMINATE], (small, s.carry, s.load, s.row), (0, 0, at * SIX, e * R))
 
 
 @inner
 def _again(code, s):
     """``s.res`` through the rows that are there."""
-    last = s.elements * SIX
+    last = s.elements * s.stride * SIX
+    for e in range(s.elements if s.stride == 2 else 0):
+        call_lanes(code[INSIDE], (s.within, s.res), (e * R, 2 * e * SIX))
     for k in range(SIX):
         s.carry[108 * LANES + k] = 0.0
         s.carry[156 * LANES + k] = s.res[k]
     for e in range(1, s.elements):
-        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * SIX, 0))
+        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * s.stride * SIX, 0))
     for k in range(SIX):
         s.carry[108 * LANES + k] += s.res[last + k]
 
@@ -113,7 +125,8 @@ def _solve(code, main, rest, w, frozen, only_right):
 
 @inner
 def _back(code, s, first, w):
-    last = s.elements * SIX
+    step = s.stride * SIX
+    last = s.elements * step
     for lane in range(LANES):
         a = first + min(lane, max(s.lanes - 1, 0))
         for i in range(6):
@@ -124,12 +137,17 @@ def _back(code, s, first, w):
     call_lanes(code[MEASURE], (s.du, w.size), (0, 0))
     call_lanes(code[MEASURE], (s.du, w.size), (last, 0))
     for e in range(s.elements - 1, 0, -1):
-        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * SIX, 0, e * SIX, 0))
+        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * step, 0, e * step, 0))
+    for e in range(s.elements if s.stride == 2 else 0):
+        at = e * step
+        call_lanes(
+            code[BACKWARD], (s.within, s.du, s.du, s.du, w.size), (e * R, at + step, at, at + SIX, 0)
+        )  # fmt: skip
 
 
 @inner
 def _move(code, s, scale):
-    for node in range(s.elements + 1 if s.lanes else 0):
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(code[MOVE], (s.x, s.du, scale), (node * X, node * SIX, 0))
 
 
@@ -141,14 +159,16 @@ def _balance(code, s, first, g, w):
     for k in range(SIX):
         s.f[k] = 0.0
     for e in range(s.elements):
-        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (e * X, e * s.parameters * LANES, 0, 0))
+        at = e * s.stride
+        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
         if e == 0:
             for lane in range(s.lanes):
                 for i in range(6):
                     w.res[first + lane, i] -= s.out[i * LANES + lane]
-        load, free, res = (s.nothing, s.nothing, s.res) if e == 0 else (s.load, s.free, s.res)
-        at = 0 if e == 0 else e * SIX
-        call_lanes(code[BALANCE], (s.out, s.f, load, free, res, w.most), (0, 0, at, at, e * SIX, 0))
+            call_lanes(code[BALANCE], (s.out, s.f, s.first_load, s.first_free, s.res, w.most), (0, 0, 0, 0, 0, 0))
+        else:
+            to = at * SIX
+            call_lanes(code[BALANCE], (s.out, s.f, s.load, s.free, s.res, w.most), (0, 0, to, to, to, 0))
     for lane in range(s.lanes):
         for i in range(6):
             w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
@@ -185,7 +205,7 @@ def _imbalance(code, main, rest, g, w, options):
 @inner
 def _ends(s, first, w, own):
     """Residuals of the ends of the parts into the lanes: their own shares for a right-hand side, or all of it."""
-    last = s.elements * SIX
+    last = s.elements * s.stride * SIX
     for lane in range(s.lanes):
         for i in range(6):
             s.res[i * LANES + lane] = w.res[first + lane, i] if own or lane + first == 0 else 0.0
@@ -238,7 +258,7 @@ def _iterate(code, main, rest, g, w, options):
 @inner
 def _keep(s, back):
     """Positions at the start of the step, or back to where it began."""
-    for node in range(s.elements + 1 if s.lanes else 0):
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         for k in range(3 * LANES):
             if back:
                 s.x[node * X + k] = s.start[node * 3 * LANES + k]
@@ -252,7 +272,7 @@ def _keep(s, back):
 @inner
 def _close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
-    for node in range(s.elements + 1 if s.lanes else 0):
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(
             code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
             (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
@@ -260,7 +280,9 @@ def _close(code, s, g, w):
     w.books[:] = 0.0
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
-            code[AUDIT], (s.x, s.p, w.books, s.turn, w.loss), (e * X, e * s.parameters * LANES, 0, e * LANES, 0)
+            code[AUDIT],
+            (s.x, s.p, w.books, s.turn, w.loss),
+            (e * s.stride * X, e * s.parameters * LANES, 0, e * LANES, 0),
         )
 
 
