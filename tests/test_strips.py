@@ -13,6 +13,7 @@ from directrix.strips import strips_for
 
 RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
+CHORDS = dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0), directors="chord")
 
 
 def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1) -> dx.Model:
@@ -33,7 +34,7 @@ CASES = {
     "nothing left over": flight(24),
     "swing": rod().pin("A").gravity((0, 0, -9.81)),
     "held inside": rod(elements=20).pin("A").clamp("B").force("A", (1, 0, 0)).gravity((0, -9.81, 0)),
-    "directors along chords": rod(dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0), directors="chord")).pin("A").gravity((0, 0, -9)),
+    "directors along chords": rod(CHORDS).pin("A").gravity((0, 0, -9)),
     "a corner": corner(),
     "quadratic": rod(elements=9, order=2).pin("A").gravity((0, -2, -9.81)).moment("B", (0, 0.02, 0.01)),
     "quadratic and bent": rod(dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0)), 8, 2).velocity("A", (0, 0, -1)),

@@ -31,7 +31,9 @@ ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are on
 
 
 class Strip(NamedTuple):
-    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element. See :mod:`directrix.kernels.strips`."""
+    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element.
+
+    See :mod:`directrix.kernels.strips`."""
 
     elements: int
     lanes: int
@@ -79,7 +81,7 @@ class Joints(NamedTuple):
 
 
 class Part(NamedTuple):
-    """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES) and ``members`` (elements, LANES)."""
+    """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES), ``members`` (elements, LANES)."""
 
     strip: Strip
     nodes: Ints
@@ -98,8 +100,10 @@ def _chain(disc: Discretisation) -> Ints | None:
 
 
 def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
-    """The fast way for a model, or None: one chain of linear or quadratic elements of one kind that all point one way, a midpoint
-    step without damping, supports that stay and loads that keep their direction."""
+    """The fast way for a model, or None.
+
+    It takes one chain of linear or quadratic elements of one kind that all point one way, a midpoint step without
+    damping, supports that stay and loads that keep their direction."""
     order = _chain(disc)
     if order is None or scheme.rates is not Rates.MIDPOINT or damped or disc.prescribed:
         return None
@@ -143,7 +147,7 @@ class Strips:
             _part(chain, order, stride, p, begin, many, lanes, disc.fixed)
             for begin, many, lanes in ((first, length, LANES), (more, 1, left))
         ]
-        self.joints = chain[::stride][[*first, *range(length * LANES, len(order) + 1)]]
+        self.joints = chain[::stride][np.append(first, np.arange(length * LANES, len(order) + 1))]
         self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
@@ -207,7 +211,7 @@ def _part(
 ) -> Part:
     at = stride * first + np.arange(stride * many + 1)[:, None]
     nodes, members = chain[at], first + np.arange(many)[:, None]
-    free = 1.0 - fixed[nodes].transpose(0, 2, 1)  # (nodes, 6, LANES)
+    free: Array = np.where(fixed[nodes], 0.0, 1.0).transpose(0, 2, 1)  # (nodes, 6, LANES)
     still = free.copy()
     still[:, 3:] = 0.0
     own = np.zeros((len(nodes), LANES))

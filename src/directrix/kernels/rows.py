@@ -249,8 +249,8 @@ def finish() -> Code:
     x, load, res, free = (graph.inputs(n, k) for n, k in (("x", NODE), ("load", 6), ("res", 6), ("free", 6)))
     (own,), g, sums = graph.inputs("own", 1), graph.inputs("g", 1), graph.inputs("sums", 7)
     new, old = [[x[b + a : b + a + 3] for a in (3, 6, 9)] for b in (0, 12)]
-    axial = [sum(old[i][(k + 1) % 3] * new[i][(k + 2) % 3] - old[i][(k + 2) % 3] * new[i][(k + 1) % 3] for i in range(3))
-             for k in range(3)]  # fmt: skip
+    turned = [cross(a, b) for a, b in zip(old, new, strict=True)]
+    axial = [turned[0][k] + turned[1][k] + turned[2][k] for k in range(3)]
     trace = 1.0 + sum(dot(a, b) for a, b in zip(new, old, strict=True))
     work = dot(load[:3], x[12:15]) + 2.0 * dot(load[3:], axial) / trace
     on = [f - (1.0 - m) * r for f, m, r in zip(load, free, res, strict=True)]

@@ -12,7 +12,7 @@ from directrix.kernels.call import call_lanes
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
-from directrix.kernels.rows import CARRY, NODE, ROW
+from directrix.kernels.rows import NODE, ROW
 
 __all__ = ["pack", "run", "unpack"]
 
@@ -176,7 +176,7 @@ def _balance(code, s, first, g, w):
 
 @inner
 def _imbalance(code, main, rest, g, w, options):
-    """Residual of all nodes; the largest unbalanced force or moment over what is allowed, inf for what is not finite."""
+    """Residual of all nodes; the largest unbalanced force or moment over what is allowed, 1e300 if not finite."""
     w.most[:] = 0.0
     for a in range(w.res.shape[0]):
         for i in range(6):
