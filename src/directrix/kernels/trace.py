@@ -137,6 +137,10 @@ class Graph:
         """max(a, b)."""
         return self._intern("max", a.index, b.index)
 
+    def magnitude(self, a: Sym) -> Sym:
+        """|a|."""
+        return self._intern("abs", a.index)
+
     def call(self, function: Op, a: Sym) -> Sym:
         """``function(a)``, one of FUNCTIONS."""
         x = self.value_of(a.index)
@@ -211,7 +215,7 @@ class Sym:
 
     def size(self) -> Sym:
         """|value|, of which no derivative is taken."""
-        return self.graph._intern("abs", self.index)
+        return self.graph.magnitude(self)
 
     def larger(self, other: Sym) -> Sym:
         """The larger of two, of which no derivative is taken; a NaN in the other is returned."""
