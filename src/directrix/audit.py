@@ -98,7 +98,7 @@ class _Turn:
 class DynamicBooks:
     """Adds up the ledger of a motion, one step after the other (read by the loop, never by the solver).
 
-    After every step: total − total(0) = work − dissipated, with no step dissipating less than nothing,
+    After every step: total − total(0) = work − dissipated, with no source dissipating less than nothing in any step,
     L − L(0) = ∫ΣF dt and J − J(0) = ∫ΣM dt, loads and supports together. What does not add up is kept as the largest
     deviation seen.
     """
@@ -116,6 +116,7 @@ class DynamicBooks:
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
+        self.taken = np.zeros(len(disc.sources.names))
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
@@ -128,6 +129,8 @@ class DynamicBooks:
     def add(self, books: Books) -> None:
         """Book one step."""
         self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy())
+        self.taken += books.taken
+        self.given = max(self.given, -float(min(books.taken, default=0.0)))
         self.turn.add(books.totals)
 
     def add_steps(self, totals: Array, flow: Array) -> None:
@@ -150,7 +153,6 @@ class DynamicBooks:
         self.waiting = []
         work, dissipated = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1]), self.settled[1] + np.cumsum(flow[:, 8])
         impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
-        self.given = max(self.given, -float(flow[:, 8].min()))
         self.turnover += (
             np.abs(flow[:, :2]).sum(),
             self.dt * np.linalg.norm(flow[:, 2:5], axis=1).sum(),
@@ -171,9 +173,9 @@ class DynamicBooks:
         self.settled, self.impulse = (float(work[-1]), float(dissipated[-1])), impulse[-1]
 
     @property
-    def flows(self) -> tuple[float, float, float]:
-        """Since the start: work, the part of prescribed motion, what was dissipated."""
-        return self.work, self.prescribed, self.dissipated
+    def flows(self) -> tuple[float, ...]:
+        """Since the start: work, the part of prescribed motion, what was dissipated, and that by source."""
+        return self.work, self.prescribed, self.dissipated, *self.taken.tolist()
 
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
@@ -213,7 +215,7 @@ class StaticBooks:
         self.turn.add(first.totals)
 
     @property
-    def flows(self) -> tuple[float, float, float]:
+    def flows(self) -> tuple[float, ...]:
         """Since the start: work, the part of prescribed motion, nothing dissipated."""
         return self.work, self.prescribed, 0.0
 
@@ -257,6 +259,7 @@ def report(result: Result) -> str:
         f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
         f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}"
         + (f", dissipated {result.energy.dissipated[-1]:.9g}" if result.energy.dissipated[-1] else ""),
+        *(f"  dissipated by {name}: {taken[-1]:.9g}" for name, taken in result.energy.by_source.items()),
         f"  {'law':<20}{'deviation':>12}{'allowed':>12}  relative to",
     ]
     for e in audit.entries:

@@ -11,6 +11,7 @@ from directrix.errors import ConvergenceError, ModelError
 from directrix.fast import fast_for
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
+from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
@@ -79,6 +80,8 @@ def simulate(
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, Settings(tolerance))
+    place_supports(disc, x, t0)
+    refuse_joints(newton, x, fresh=start is None or start.kind == "static")
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
@@ -121,7 +124,7 @@ def simulate(
                 fast.give(x)
                 unsaved = (newton.positions(x), x.copy()) if saved < k else None
             newton.begin(x)
-            moved = bool(disc.prescribed) and place_supports(disc, x, t)
+            moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:

@@ -31,7 +31,8 @@ class Group:
     ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference.
 
     What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
-    holds its other end.
+    holds its other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes
+    of a ``jointed`` one are rows of multipliers.
     """
 
     element: Element
@@ -43,6 +44,13 @@ class Group:
     names: tuple[str, ...] = ()
     lossy: bool = False
     grounded: bool = False
+    condensed: bool = True
+    jointed: bool = False
+
+    @property
+    def in_pattern(self) -> Ints:
+        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 
 def _boundaries(rod: Rod) -> tuple[Array, list[str]]:

@@ -13,6 +13,7 @@ from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
+from directrix.joints import Joint
 from directrix.section import Section
 
 VecOrFn = Vec | Callable[[float], ArrayLike]
@@ -21,9 +22,17 @@ SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
 
 __all__ = [
-    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Prescribed", "RigidVelocity", "Rod", "Support",
-    "Vec", "VecOrFn", "Velocity",
+    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "RigidVelocity", "Rod",
+    "Support", "Vec", "VecOrFn", "Velocity",
 ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node that is on no rod: bodies, links and joints attach to it."""
+
+    name: str
+    at: Vec
 
 
 @dataclass(frozen=True)
@@ -141,6 +150,15 @@ class Model:
     velocities: tuple[Velocity | RigidVelocity, ...] = ()
     links: tuple[Link, ...] = ()
     bodies: tuple[Body, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    nodes: tuple[Node, ...] = ()
+
+    def node(self, name: str, at: Any) -> Self:
+        """Add a node that is on no rod, for a body that joints or links hold."""
+        name = text(name, "name of a node")
+        if any(other.name == name for other in self.nodes):
+            raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
+        return replace(self, nodes=(*self.nodes, Node(name, vector(at, f"place of node {name!r}"))))
 
     def rod(
         self,
@@ -311,12 +329,71 @@ class Model:
         """A mass on a node."""
         return self.rigid_body(node, m, np.zeros((3, 3)))
 
-    def rigid_body(self, node: str, mass: float, inertia: ArrayLike) -> Self:
-        """A rigid body on a node, its centre of mass there; ``inertia`` (3, 3) about it, in the reference frame."""
+    def rigid_body(self, node: str, mass: float, inertia: ArrayLike, *, offset: Any = None) -> Self:
+        """A rigid body on a node; ``inertia`` (3, 3) about its centre of mass, in the reference frame.
+
+        The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
+        joint of that name.
+        """
+        if offset is not None:
+            arm, own = np.array(vector(offset, f"offset of the body on node {node!r}")), f"{node}.body"
+            places = self._places()
+            if node not in places:
+                raise ModelError(f"there is no node {node!r} for the body", "add rods and nodes first")
+            apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
+            return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
         body = Body(node, mass, np.asarray(inertia))
         if any(other.node == node for other in self.bodies):
             raise ModelError(f"node {node!r} has two bodies", "give one, their sum if that is meant")
         return replace(self, bodies=(*self.bodies, body))
+
+    def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
+        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far."""
+        return self._joint(name, "rigid", a, b)
+
+    def spherical(self, a: str, b: str | None = None, *, name: str | None = None, **options: Any) -> Self:
+        """A ball joint. ``options``: at, stiffness, damping, see :class:`Joint`."""
+        return self._joint(name, "spherical", a, b, **options)
+
+    def hinge(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """A hinge about ``axis`` (turns with ``a``). ``options``: at, stiffness, rest, damping, prescribed, drive,
+        stops, stop_stiffness, stop_width on its angle, see :class:`Joint`."""
+        return self._joint(name, "hinge", a, b, axis=axis, **options)
+
+    def universal(
+        self, a: str, b: str | None = None, *, axes: tuple[Vec, Vec], name: str | None = None, **options: Any
+    ) -> Self:
+        """A universal (Cardan) joint: its perpendicular ``axes`` stay so, the first on ``a``, the second on ``b``.
+        ``options``: at, stiffness, damping, see :class:`Joint`."""
+        try:
+            first, second = axes
+        except (TypeError, ValueError):
+            raise ModelError(f"axes = {shown(axes)} are not two vectors", "give axes=(u, v)") from None
+        return self._joint(name, "universal", a, b, axis=first, second=second, **options)
+
+    def cylindrical(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """``b`` slides along and turns about the line through the joint along ``axis``, which ``a`` carries.
+        ``options`` as for a hinge, on the displacement."""
+        return self._joint(name, "cylindrical", a, b, axis=axis, **options)
+
+    def slider(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``. ``options`` as for a
+        hinge, on the displacement."""
+        return self._joint(name, "slider", a, b, axis=axis, **options)
+
+    def planar(self, a: str, b: str | None = None, *, normal: Vec, name: str | None = None, at: Any = None) -> Self:
+        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it."""
+        return self._joint(name, "planar", a, b, axis=normal, at=at)
+
+    def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
+        name = f"joint{len(self.joints) + 1}" if name is None else name
+        if any(other.name == name for other in self.joints):
+            raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
+        try:
+            joint = Joint(name, kind, a, b, **options)
+        except TypeError as error:
+            raise ModelError(f"joint {name!r}: {error}", "see dx.Joint for what a joint takes") from None
+        return replace(self, joints=(*self.joints, joint))
 
     def _link_name(self, name: str | None) -> str:
         return f"link{len(self.links) + 1}" if name is None else name
@@ -344,7 +421,7 @@ class Model:
 
         ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
         """
-        if not self.rods:
+        if not self.rods and not self.nodes:
             raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
         places = self._places()
         self._known(places)
@@ -375,9 +452,10 @@ class Model:
         said = [a for rod in self.rods for a in rod.section.assumptions]
         places = list(self._places().items())
         size = self._size([p for _, p in places])
+        joined = {frozenset(joint.nodes) for joint in self.joints}
         for k, (a, p) in enumerate(places):
             for b, q in places[k + 1 :]:
-                if np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
+                if frozenset((a, b)) not in joined and np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
                     said.append(
                         f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them"
                     )
@@ -396,17 +474,18 @@ class Model:
 
     def _places(self) -> dict[str, Any]:
         """Where the named nodes are; refuses one name at two places."""
-        found: dict[str, tuple[Any, str]] = {}
+        found: dict[str, tuple[Any, str]] = {node.name: (np.array(node.at), "") for node in self.nodes}
         ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
         points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
-        size = self._size(points)
+        size = self._size([*points, *(point for point, _ in found.values())])
         for (rod, name, _), point in zip(ends, points, strict=True):
             if name in found:
                 other, owner = found[name]
                 gap = float(np.linalg.norm(point - other))
                 if gap > SAME_PLACE * size:
+                    first = f"on rod {owner!r}" if owner else "by itself"
                     raise ModelError(
-                        f"node {name!r} is at {_show(other)} on rod {owner!r} and at {_show(point)} "
+                        f"node {name!r} is at {_show(other)} {first} and at {_show(point)} "
                         f"on rod {rod.name!r}, {gap:.3g} apart",
                         "give the ends the same position, or different names",
                     )
@@ -420,6 +499,7 @@ class Model:
         about += [("initial velocity", v.node) for v in self.velocities if isinstance(v, Velocity)]
         about += [(f"link {k.name!r}", node) for k in self.links for node in (k.a, k.b) if isinstance(node, str)]
         about += [("body", body.node) for body in self.bodies]
+        about += [(f"joint {joint.name!r}", node) for joint in self.joints for node in joint.nodes]
         for what, node in about:
             if node not in places:
                 raise ModelError(
@@ -429,7 +509,9 @@ class Model:
         for load in self.loads:
             if isinstance(load, Distributed):
                 self._rod(load.rod)
-        if any(isinstance(load, Gravity) for load in self.loads) and not any(r.section.A_rho for r in self.rods):
+        if any(isinstance(load, Gravity) for load in self.loads) and not (
+            self.bodies or any(r.section.A_rho for r in self.rods)
+        ):
             raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
 
     def _values(self) -> None:
@@ -440,18 +522,16 @@ class Model:
                 (f"prescribed {k} of node {p.node!r}", v)
                 for k, v in (("displacement", p.displacement), ("rotation", p.rotation))
             ]
+        for joint in self.joints:
+            for key, given in (("prescribed", joint.prescribed), ("drive", joint.drive)):
+                if callable(given):
+                    number(_called(given, f"{key} of joint {joint.name!r}"), f"{key} of joint {joint.name!r} at t = 0")
         for load in self.loads:
             place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):
-                try:
-                    out = value(0.0)
-                except Exception as error:  # whatever a user's function raises
-                    raise ModelError(
-                        f"{what}: the function fails at t = 0: {error!r}", "it is called with one number"
-                    ) from error
-                vector(out, f"{what} at t = 0")
+                vector(_called(value, what), f"{what} at t = 0")
 
     def _held(self) -> dict[str, set[str]]:
         """Held components of every node; refuses a component that is held twice."""
@@ -474,6 +554,7 @@ class Model:
     def _supported(self, held: Mapping[str, set[str]]) -> None:
         """Statics: every connected part needs a support."""
         part = {name: name for rod in self.rods for name in rod.names}
+        part |= {node.name: node.name for node in self.nodes}
 
         def root(name: str) -> str:
             while part[name] != name:
@@ -486,13 +567,25 @@ class Model:
         for link in self.links:
             if isinstance(link.b, str):
                 part[root(link.a)] = root(link.b)
+        for joint in self.joints:
+            if joint.b is not None:
+                part[root(joint.a)] = root(joint.b)
         good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
+        good |= {root(joint.a) for joint in self.joints if joint.b is None}
         for rod in self.rods:
             if root(rod.ends[0]) not in good:
                 raise ModelError(
                     f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
                     "add .clamp, .pin or .fix, or use dx.simulate",
                 )
+
+
+def _called(value: Any, what: str) -> Any:
+    """``value`` at t = 0."""
+    try:
+        return value(0.0)
+    except Exception as error:  # whatever a user's function raises
+        raise ModelError(f"{what}: the function fails at t = 0: {error!r}", "it is called with one number") from error
 
 
 def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:

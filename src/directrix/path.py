@@ -68,7 +68,7 @@ def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial
     x, rate = at.x.copy(), gauge.rate(at.tangent)
     far = reach / max(rate, 1e-12)
     limit, cayley = bordered.newton.options[4], bordered.newton.options[6] > 0.0
-    _, turned, _ = kernel.move(far * at.tangent, x, False, cayley, limit)
+    _, turned, _ = kernel.move(far * at.tangent, bordered.disc.nodes, x, False, cayley, limit)
     factor = float(at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300)))
     place_supports(bordered.disc, x, factor)
     factor, iterations, status = bordered.correct(x, factor, gauge.row(at.tangent, reach))

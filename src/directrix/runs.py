@@ -162,6 +162,7 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
                 ("residual", energy.residual),
             )
         },
+        "dissipated_by_source": {name: float(taken[-1]) for name, taken in energy.by_source.items()},
         "audit": {
             "passed": audit.passed,
             "verdict": audit.verdict,

@@ -17,6 +17,7 @@ from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.integrators import Formulation
+from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
@@ -105,6 +106,7 @@ def solve_static(
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
+    refuse_joints(newton, x)
     recorder = Recorder(disc, "static")
     run: _LoadSteps | Walk
     if control is None:

@@ -90,7 +90,7 @@ class Part(NamedTuple):
 
 def _chain(disc: Discretisation) -> Ints | None:
     """The elements of the only group in the order of the chain, all pointing one way; None when there is no such."""
-    if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names:
+    if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names or disc.model.joints:
         return None
     ends = disc.pattern.row[disc.groups[0].conn[:, [0, -1]]]
     steps = ends[:, 1] - ends[:, 0]

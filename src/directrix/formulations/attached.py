@@ -15,7 +15,7 @@ from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub,
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
-__all__ = ["AttachedLayout", "BodyElement", "LinkElement"]
+__all__ = ["Attached", "AttachedLayout", "BodyElement", "LinkElement", "books", "discrete_ramp", "ramp"]
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class AttachedLayout(Layout):
 
 
 @dataclass(frozen=True)
-class _Attached:
-    """What links and bodies share: no history, no strains."""
+class Attached:
+    """What links, bodies and joints share: no history, no strains."""
 
     rates: Rates
     sampled = False
@@ -45,9 +45,14 @@ class _Attached:
         """No strains."""
         return []
 
+    @property
+    def half(self) -> bool:
+        """True when the step balances at its middle."""
+        return self.rates not in (Rates.NONE, Rates.ALPHA)
+
 
 @dataclass(frozen=True)
-class LinkElement(_Attached):
+class LinkElement(Attached):
     """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
 
     With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
@@ -76,18 +81,11 @@ class LinkElement(_Attached):
             return b, b, self._tension(b - p[7], b - p[7], p)
         return a, b, self._tension(a - p[7], b - p[7], p)
 
-    @property
-    def half(self) -> bool:
-        """True when the step balances at its middle."""
-        return self.rates not in (Rates.NONE, Rates.ALPHA)
-
     def _tension(self, e0: Scalar, e1: Scalar, p: Sequence[Scalar]) -> Scalar:
-        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with p = ½(e + √(e² + w²))."""
+        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with the ramp p."""
         if not self.cable:
             return 0.5 * p[6] * (e0 + e1)
-        q0, q1 = (e0 * e0 + p[9] * p[9]) ** 0.5, (e1 * e1 + p[9] * p[9]) ** 0.5
-        ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
-        return 0.25 * p[6] * ramps * (1.0 + (e0 + e1) / (q0 + q1))
+        return p[6] * discrete_ramp(e0, e1, p[9])
 
     def step(
         self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
@@ -109,8 +107,8 @@ class LinkElement(_Attached):
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
         e = _length(self._vectors(x, layout, p)[1]) - p[7]
-        ramp = 0.5 * (e + (e * e + p[9] * p[9]) ** 0.5) if self.cable else e
-        return _books(layout, 0.5 * p[6] * ramp * ramp, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
+        pulled = ramp(e, p[9]) if self.cable else e
+        return books(layout, 0.5 * p[6] * pulled * pulled, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What the dashpot took in the step: c Δℓ²/Δt."""
@@ -119,7 +117,7 @@ class LinkElement(_Attached):
 
 
 @dataclass(frozen=True)
-class BodyElement(_Attached):
+class BodyElement(Attached):
     """A rigid body (an :class:`Element` of one node); parameters: mass, Euler tensor E by its upper triangle.
 
     Its momenta are m ṙ and E_ij Ṙ e_j on the columns R e_i, so M is constant as for the rods.
@@ -153,7 +151,19 @@ class BodyElement(_Attached):
         momentum, spins = scale(p[0], n.v), _euler_times(p, n.rate)
         kinetic = 0.5 * dot(momentum, n.v) + 0.5 * sum(dot(s, c) for s, c in zip(spins, n.rate, strict=True))
         angular = add(cross(n.r, momentum), *(cross(axis, s) for axis, s in zip(n.R, spins, strict=True)))
-        return _books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+        return books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+
+
+def ramp(e: Scalar, width: Scalar) -> Scalar:
+    """p(e) = ½(e + √(e² + w²)): 0 below, e above, smooth over the width w."""
+    return 0.5 * (e + (e * e + width * width) ** 0.5)
+
+
+def discrete_ramp(e0: Scalar, e1: Scalar, width: Scalar) -> Scalar:
+    """½ Δ(p²)/Δe without a difference, p p' for e0 = e1."""
+    q0, q1 = (e0 * e0 + width * width) ** 0.5, (e1 * e1 + width * width) ** 0.5
+    ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
+    return 0.25 * ramps * (1.0 + (e0 + e1) / (q0 + q1))
 
 
 def _length(d: Vector) -> Scalar:
@@ -167,7 +177,7 @@ def _euler_times(p: Sequence[Scalar], v: Sequence[Vector]) -> list[Vector]:
     return [add(*(scale(p[place[min(i, j), max(i, j)]], v[j]) for j in range(3))) for i in range(3)]
 
 
-def _books(
+def books(
     layout: Layout, stored: Scalar, kinetic: Scalar, linear: Sequence[Scalar], angular: Sequence[Scalar]
 ) -> list[Scalar]:
     """In the order of :meth:`Element.audit`; what is attached does not turn between its nodes."""

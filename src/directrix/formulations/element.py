@@ -13,7 +13,9 @@ __all__ = [
     "COMMON",
     "Committed",
     "Element",
+    "Jointed",
     "Lossy",
+    "record_acts",
     "record_audit",
     "record_commit",
     "record_lost",
@@ -63,6 +65,15 @@ class Lossy(Element, Protocol):
         ...
 
 
+class Jointed(Lossy, Protocol):
+    """An element whose last node is a row of multipliers."""
+
+    def acts(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """Force (3) and moment (3) on what moves, coordinate at x1, its increment in the step, the forces on it
+        that do the work of prescribed motion and of a drive."""
+        ...
+
+
 class Committed(Element, Protocol):
     """An element with history."""
 
@@ -100,9 +111,10 @@ def step_of(
     results, places = list(out), list(range(size))
     seeds: list[dict[Sym, Sym | float]] = []
     for b in range(layout.nn) if tangent else ():
+        adds = layout.last_adds and b == layout.nn - 1
         for k in range(6):
-            if k < 3:
-                seeds.append({v[k]: 1.0 for v in moving[b]})
+            if k < 3 or adds:
+                seeds.append({v[k % 3]: 1.0 for v in (moving if k < 3 else turning)[b]})
             else:
                 e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
                 seeds.append({d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))})
@@ -124,6 +136,13 @@ def record_lost(element: Lossy, layout: Layout) -> Recorded:
     """What an element dissipated in a step."""
     graph, x, p, g = _inputs(element, layout)
     return graph, element.lost(layout, x, p, g), [0]
+
+
+def record_acts(element: Jointed, layout: Layout) -> Recorded:
+    """What a joint does in a step, 10 values."""
+    graph, x, p, g = _inputs(element, layout)
+    out = [x[0].lift(value) for value in element.acts(layout, x, p, g)]
+    return graph, out, list(range(len(out)))
 
 
 def record_commit(element: Committed, layout: Layout) -> Recorded:

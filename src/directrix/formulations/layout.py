@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from directrix.basis import gauss, lagrange
 
@@ -38,6 +38,9 @@ class Layout:
     strains (6 each), ∫N_a N_b dS (upper triangle by rows), A_ρ, I_ρ1, I_ρ2 (, I_ρ12), viscous matrix
     (0, 6 or 21), dS/dξ at the inertia points (0 or nn).
     """
+
+    last_adds: ClassVar[bool] = False
+    """The last node is none: increments of all six components are added (multipliers)."""
 
     nn: int
     points: int
