@@ -256,7 +256,7 @@ def _in_line(n: int, order: Ints) -> Pattern:
     own = 3 * rows + 1
     return Pattern(
         True, row, order, np.append(3 * rows, 3 * len(rows)), (rows[:, None] + np.arange(-1, 2)).ravel(), own,
-        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1), (0,),
+        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1).ravel(), (0,),
     )  # fmt: skip
 
 
