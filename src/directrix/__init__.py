@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
+    from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.integrators import (
@@ -38,6 +39,7 @@ __all__ = [
     "DisplacementControl",
     "EnergyDissipating",
     "EnergyMomentum",
+    "Ensemble",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "InputError",
@@ -55,6 +57,7 @@ __all__ = [
     "TurningPoint",
     "arc",
     "buckling",
+    "ensemble",
     "helix",
     "laws",
     "line",
@@ -71,6 +74,7 @@ _HOME = {
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
+    "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
     "integrators": (
