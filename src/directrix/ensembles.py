@@ -105,7 +105,7 @@ def ensemble(
         Makes the model of a member, where it runs: only the member travels to another process.
     executor
         Any ``concurrent.futures.Executor``: threads (the compiled steps run side by side), processes, or what MPI
-        and Dask offer. Without one the members run here, one after the other. What each computes is the same, bit by bit.
+        and Dask offer. Without one the members run here, one after the other. No bit of what each computes changes.
     batch
         Members to a task; by default so many that a task takes about 0.1 s.
     progress
@@ -130,10 +130,8 @@ def ensemble(
         for outcomes in _run(tasks, build, settings, executor):
             found.update({label: (result, sentence) for label, result, sentence in outcomes})
             failed = sum(1 for _, sentence in found.values() if sentence)
-            report(
-                len(found) / len(labelled),
-                f"{len(found)} of {len(labelled)} members" + f", {failed} failed" * (failed > 0),
-            )
+            more = f", {failed} failed" if failed else ""
+            report(len(found) / len(labelled), f"{len(found)} of {len(labelled)} members{more}")
     except KeyboardInterrupt:
         pass
     except ModelError as error:
@@ -168,7 +166,7 @@ def _labelled(members: Sequence[Any] | Mapping[Hashable, Any], build: Build | No
 
 
 def _batch(members: Sequence[tuple[Hashable, Any]], build: Build | None, steps: float) -> int:
-    """Members whose motions take about SECONDS, estimated from the first: 10 ms each, and 2 µs for an element's step."""
+    """Members whose motions take about SECONDS, by the first: 10 ms each, and 2 µs for a step of an element."""
     first = members[0][1]
     try:
         model = first if build is None else build(first)

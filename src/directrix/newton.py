@@ -14,7 +14,7 @@ from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
 from directrix.kernels.tables import tables_for, work_for
-from directrix.linear.sparse import BlockSparse
+from directrix.linear.condensed import Condensed
 from directrix.result import Status
 from directrix.scheme import Scheme
 
@@ -90,9 +90,9 @@ class Newton:
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     @cached_property
-    def sparse(self) -> BlockSparse:
+    def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
-        return BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
+        return Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
