@@ -1,10 +1,10 @@
 """What a step of a chain costs: one free rod of n elements, energy–momentum, through ``simulate``.
 
 Everything a run does is counted: meshing, assembly, solution, update, loads, audit and what is kept. Compiling is not:
-a short run goes first. It is CPU time, best of several, on one core; caches and execution units are shared with whatever
-else the machine does, so the yardstick beside it counts as much as the nanoseconds: LAPACK solving one banded system
-of the same size (``scipy.linalg.solve_banded``), what the linear algebra of one iteration alone costs elsewhere,
-measured in turns with it. The target is for a quiet machine.
+a short run goes first. It is CPU time, best of several, on one core. Caches and execution units are shared with all
+else the machine does, so the yardstick beside it counts as much as the nanoseconds: LAPACK solving one banded system of
+the same size (``scipy.linalg.solve_banded``), what the linear algebra of one iteration alone costs elsewhere, measured
+in turns with it. The target is for a quiet machine.
 
     make bench        or: python benchmarks/chain.py
 """

@@ -35,12 +35,14 @@ def main() -> None:
         caches = {"DIRECTRIX_CACHE_DIR": str(Path(folder) / "kernels"), "NUMBA_CACHE_DIR": str(Path(folder) / "loops")}
         cold = seconds(python, "-c", RUN, **caches)
         warm = min(seconds(python, "-c", RUN, **caches) for _ in range(3))
+    imported = min(seconds(python, "-c", "from directrix import simulate") for _ in range(3))
+    helped = min(seconds(python, "-m", "directrix", "--help") for _ in range(3))
     rows = (
-        ("import directrix and its solvers", min(seconds(python, "-c", "from directrix import simulate") for _ in range(3)), 0.8),
-        ("directrix --help", min(seconds(python, "-m", "directrix", "--help") for _ in range(3)), 0.5),
+        ("import directrix and its solvers", imported, 0.8),
+        ("directrix --help", helped, 0.5),
         ("a first run, which compiles", cold, 15.0),
         ("the same again", warm, 1.0),
-    )  # fmt: skip
+    )
     for what, value, target in rows:
         print(f"{what:<34}{value:>7.2f} s   target {target:g} s")
 
