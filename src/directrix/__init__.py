@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+    from directrix.functions import harmonic, ramp, table
     from directrix.integrators import (
         EnergyDissipating,
         EnergyMomentum,
@@ -34,6 +36,7 @@ __all__ = [
     "BucklingLoads",
     "ConvergenceError",
     "CrisfieldJelenic",
+    "Cylinder",
     "Directors",
     "DirectrixError",
     "DisplacementControl",
@@ -48,35 +51,42 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Plane",
     "Result",
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
     "Snapshot",
+    "Sphere",
     "Status",
     "TurningPoint",
     "arc",
     "buckling",
     "ensemble",
+    "harmonic",
     "helix",
     "laws",
     "line",
     "load",
     "modes",
     "polyline",
+    "ramp",
     "simulate",
     "solve_static",
     "spline",
+    "table",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "functions": ("harmonic", "ramp", "table"),
     "integrators": (
         "EnergyDissipating",
         "EnergyMomentum",

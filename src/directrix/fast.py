@@ -28,7 +28,7 @@ class Fast:
         self.newton, self.strips = newton, strips
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
-        self.results = np.zeros((0, 17))
+        self.results = np.zeros((0, 18))
         self.energy = self.loss = 0.0
 
     def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks) -> list[int]:
@@ -40,7 +40,7 @@ class Fast:
             self.strips.set_load(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), 17))
+        self.results = np.zeros((min(count, self.strips.many), 18))
         self.strips.run(self.results)
         return self.settle(ledger)
 
@@ -48,14 +48,15 @@ class Fast:
         """Book the steps that were taken since this was last done."""
         rows, self.results = self.results[self.results[:, 0] > 0.0], self.results[:0]
         if len(rows):
-            flow, totals = np.zeros((len(rows), 9)), rows[:, 8:16]
+            flow, totals = np.zeros((len(rows), 10)), rows[:, 8:16]
             flow[:, 0], flow[:, 2:8] = rows[:, 1], rows[:, 2:8]
             if self.newton.free and self.newton.origin.any():
                 flow[:, 5:8] += np.cross(self.newton.origin, flow[:, 2:5])
                 totals[:, 5:8] += np.cross(self.newton.origin, totals[:, 2:5])
             if self.newton.free:
                 self._follow()
-            ledger.add_steps(totals, flow)
+            force, moment = np.linalg.norm(flow[:, 2:5], axis=1), np.linalg.norm(flow[:, 5:8], axis=1)
+            ledger.add_steps(totals, flow, np.stack([np.maximum(force, np.sqrt(rows[:, 17])), moment], -1))
             self.energy = float(totals[-1, 0] + totals[-1, 1])
             self.loss = max(self.loss, float(rows[:, 16].max()))
         return [int(n) for n in rows[:, 0]]

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.checks import number
+from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
+from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.condensed import Condensed
 from directrix.result import Status
@@ -53,9 +56,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what was dissipated by
-    source, what joints do (joints, ≥ 6)."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), what joints do (joints, ≥ 6); by source
+    what was dissipated and the work done on elements; the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -63,8 +66,10 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
-    taken: Array
     joints: Array
+    taken: Array
+    done: Array
+    scale: Array
 
 
 class Newton:
@@ -74,34 +79,93 @@ class Newton:
     """
 
     def __init__(self, disc: Discretisation, scheme: Scheme, settings: Settings) -> None:
-        self.disc, self.scheme, self.settings = disc, scheme, settings
-        self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
-        self.globals = self.work.common
+        self.scheme, self.settings = scheme, settings
+        self.pairs: Pairs | None = None
+        self._use(disc)
         # the compiled loops read 0/1
         self.mask = disc.held.astype(np.uint8)
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"), 1.0,
+                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf,
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.start: Array = np.zeros((0, 40))
+        """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
-    @cached_property
+    def _use(self, disc: Discretisation) -> None:
+        """Tables and workspace for ``disc``."""
+        self.disc = disc
+        self.tables, self.work = tables_for(disc, self.scheme), work_for(disc, self.scheme)
+        self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
+        self._sparse: Condensed | None = None
+        self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
+
+    @property
     def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
-        return Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+        if self._sparse is None:
+            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+        return self._sparse
+
+    def _look_around(self, x: Array) -> None:
+        """Take in what rods are about to touch at the state ``x``."""
+        near, r = self.disc.near, x[: self.disc.nodes, :3]
+        if near is not None and (self.pairs is None or near.outside(self.pairs, r, touching=False)):
+            self._bring(near.around(r))
+
+    def _bring(self, pairs: Pairs) -> None:
+        before, driver = self.work, self.driver
+        self.pairs = pairs
+        self._use(self.disc.touching(pairs, self.scheme))
+        self.work.reaction[:], self.work.joints[:] = before.reaction, before.joints
+        self.driver.follow(driver)
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
 
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
-        first, at the rotations as they are.
+        first, at the rotations as they are. A step at whose end rods touch that were not looked at is taken again
+        with them.
         """
-        start = x.copy()
+        near = self.disc.near
+        if near is None or self.pairs is None:
+            return self._balance(x, external, moved)
+        start, iterations = x.copy(), 0
+        while True:
+            outcome = self._balance(x, external, moved)
+            iterations += outcome.iterations
+            if outcome.status is not None:
+                return Outcome(iterations, outcome.status)
+            r = x[: self.disc.nodes, :3]
+            if not near.outside(self.pairs, r, touching=True):
+                at = near.crossed(r - x[: self.disc.nodes, 12:15], r)
+                return Outcome(iterations, None if at < 0 else self._crossed(at))
+            self._bring(union(self.pairs, near.around(r)))
+            x[:] = start
+
+    def _crossed(self, node: int) -> Status:
+        return Status(
+            "not_converged",
+            f"rods passed through one another in one step, at {self.disc.mesh.label(node)}.",
+            "Take smaller steps: none should move a rod by its radius. Or raise the stiffness of the contact.",
+        )
+
+    def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
+        self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
+        if self.rough and outcome.status is not None:
+            x[:] = start
+            again = self._by_softer_friction(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
+        if self.disc.near is not None and outcome.status is not None:
+            x[:] = start
+            again = self._by_small_moves(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
         # iteration may solve for, do not always have the freedom to close joints
         jointed = bool(self.disc.model.joints)
@@ -120,6 +184,36 @@ class Newton:
             outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
         return outcome
 
+    def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that jump to and fro between sticking and sliding: the slip speed comes down bit by bit."""
+        total, soft, ratio, good = 0, 1e3, 10.0, x.copy()
+        reached = np.inf
+        while True:
+            self.globals[SOFTENING] = soft
+            outcome = self._iterate(self.tables, x, external, moved and np.isinf(reached))
+            total += outcome.iterations
+            if outcome.status is None and soft == 0.0:
+                break
+            if outcome.status is None:
+                reached, good = soft, x.copy()
+            elif np.isinf(reached) or ratio < 1.2:
+                break
+            else:
+                ratio **= 0.5
+                x[:] = good
+            soft = reached / ratio if reached > 0.1 else 0.0
+        self.globals[SOFTENING] = 0.0
+        return Outcome(total, outcome.status)
+
+    def _by_small_moves(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that throw rods far beyond where they touch: none may move them by more than part of a radius."""
+        assert self.disc.near is not None
+        usual = self.options.copy()
+        self.options[[5, 7, 8]] = 4.0 * self.settings.iterations, 0.0, 0.2 * self.disc.near.reach
+        outcome = self._iterate(self.tables, x, external, moved)
+        self.options[:] = usual
+        return outcome
+
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
         control = np.array([0, 0, int(moved), 0], np.int64)
         while True:
@@ -135,7 +229,7 @@ class Newton:
         """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
-        place = self.disc.mesh.label(blame)
+        place = self.disc.mesh.place(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
             return Status(
@@ -179,6 +273,7 @@ class Newton:
 
     def applied(self, x: Array, external: Array) -> Array:
         """The loads (n, 6) of ``external`` as they act on ``x``, with followers turned."""
+        self._look_around(x)
         kernel.internal_forces(self.tables, self.work, x, self.globals, external)
         return self.work.applied.copy()
 
@@ -214,6 +309,7 @@ class Newton:
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""
+        self._look_around(x)
         kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, self.disc.rows, x, self.globals)
 
     def finish(self, x: Array, before: Array | None = None) -> Books:
@@ -224,6 +320,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -258,19 +355,18 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work, n = self.work, self.disc.nodes
-        return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.taken,
-            work.joints,
-        )  # fmt: skip
+        work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
+        applied, reaction = work.applied[:n], work.reaction[:n]
+        return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
+        self._look_around(x)
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
-        self.work.taken[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 

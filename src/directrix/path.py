@@ -12,6 +12,7 @@ from directrix.audit import StaticBooks
 from directrix.bordered import Bordered, dot, travelled
 from directrix.controls import Control, Snapshot
 from directrix.errors import ModelError
+from directrix.failures import explained
 from directrix.gauge import Gauge, gauge_for
 from directrix.kernels import step as kernel
 from directrix.newton import Newton
@@ -131,6 +132,8 @@ class Walk:
             raise ModelError("start= is a motion, which has no load factor to go on from", "start from solve_static")
         factor = 0.0 if start is None else float(start.load_factor[-1])
         self.loads = self.disc.external(factor, factor)
+        self.newton.driver.place(factor, factor)
+        self.newton.driver.shift()
         self.acting = self.newton.applied(x, self.loads)
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.disc, self.books)
@@ -238,6 +241,7 @@ class Walk:
 
     def _book(self) -> None:
         newton, x = self.newton, self.point.x
+        newton.driver.place(self.point.factor, self.point.factor)
         before, self.acting = self.acting, newton.applied(x, self.loads)  # other states were tried since
         self.books = newton.finish(x, before)
         self.ledger.add(self.books, x[: self.disc.nodes, :3])
@@ -281,6 +285,7 @@ class Walk:
         )
 
     def _stuck(self, why: Status) -> Status:
+        why = explained(self.newton, self.point.x, why)
         return Status(
             why.code,
             f"stopped at load factor {self.point.factor:.6g}, arc length {self.arc:.6g}, after {self.cuts} cuts of the "

@@ -97,6 +97,16 @@ class Mesh:
                 return f"{rod.name} at s = {rod.s[hit[0]]:.4g}"
         return f"node {index}"
 
+    def place(self, index: int) -> str:
+        """The same as part of a sentence: "node 'tip' of rod 'arm'"."""
+        label = self.label(index)
+        if label not in self.node_names:
+            return label
+        rods = [repr(rod.name) for rod in self.rods if index in rod.nodes]
+        if not rods:
+            return f"node {label!r}"
+        return f"node {label!r} of rod{'s' * (len(rods) > 1)} {', '.join(rods[:3])}" + " …" * (len(rods) > 3)
+
 
 @dataclass(frozen=True)
 class Status:
@@ -127,7 +137,8 @@ class Energy:
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
     for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
-    every rod's section, numerical dissipation.
+    every rod's section, fluids, numerical dissipation; ``work_by_source`` is ``work`` by what did it: loads, supports,
+    actuation, tendons, fluids that flow.
     """
 
     kinetic: Array
@@ -136,6 +147,7 @@ class Energy:
     prescribed: Array
     dissipated: Array
     by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    work_by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:
@@ -210,6 +222,15 @@ class LinkHistory:
 
 
 @dataclass(frozen=True)
+class ContactHistory:
+    """A contact through the run, each (nt,): ``gap`` the smallest distance of surfaces, negative where they overlap
+    (infinite where rods are far apart), ``force`` the sum of the normal forces at the saved instants."""
+
+    gap: Array
+    force: Array
+
+
+@dataclass(frozen=True)
 class JointHistory:
     """A joint through the run.
 
@@ -246,6 +267,7 @@ class Result:
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
+    contacts : (nt, 2) smallest gap and sum of normal forces of each contact, by name; see :meth:`contact`
     joints : (nt, joints, 6) force and moment of every joint on what it moves; see :meth:`joint`
     history : (nt, rows, 12) multipliers and coordinates of joints, one row each, then what a formulation or a scheme
         carries beside the nodes, to go on with ``start=``; no rows for most
@@ -273,6 +295,7 @@ class Result:
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
 
     @cached_property
@@ -309,6 +332,12 @@ class Result:
         if name not in self.links:
             raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
         return LinkHistory(*self.links[name].T)
+
+    def contact(self, name: str) -> ContactHistory:
+        """History of one contact, by name; raises ModelError for an unknown one."""
+        if name not in self.contacts:
+            raise ModelError(f"there is no contact {name!r}", f"contacts: {', '.join(self.contacts) or 'none'}")
+        return ContactHistory(*self.contacts[name].T)
 
     def joint(self, name: str) -> JointHistory:
         """History of one joint, by name; raises ModelError for an unknown one."""

@@ -14,6 +14,8 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from directrix.checks import whole
+from directrix.contact_groups import refuse_rod_contacts
+from directrix.diagnosis import at_start, refuse
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
 from directrix.formulations.director_acceleration import DirectorAcceleration
@@ -143,9 +145,10 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     Raises
     ------
     ModelError
-        Something cannot be right: no loads, a state that is not stable, loads that turn with their node.
+        Something cannot be right: no loads, a part that can move freely, loads that turn with their node.
     """
     system = _System(model, about, dynamic=False)
+    refuse(at_start(system.newton, system.x, stressed=about is not None))
     count = system.checked(count)
     stiffness = system.matrix()
     factored = splu(stiffness)
@@ -185,8 +188,17 @@ class _System:
             raise ModelError("about= is not an equilibrium", "give what solve_static returned", "about=")
         if about is not None and not about.success:
             raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
+        if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+            refuse_rod_contacts(model, "small motions are about one system")
         self.scheme = AT_REST
-        self.disc: Discretisation = discretise(model if dynamic else _with_mass(model), self.scheme)
+        if not dynamic and (model.actuations or model.tendons):
+            raise ModelError(
+                "linearised buckling does not know what actuation and tendons do in first order",
+                "follow the path with solve_static and a control, and look at modes about its states",
+            )
+        disc = discretise(model if dynamic else _with_mass(model), self.scheme)
+        factor = 0.0 if about is None else float(about.load_factor[-1])
+        self.disc: Discretisation = disc.driven_at(factor, factor)
         if np.any(self.disc.external(1.0)[:, 6:]):
             raise ModelError("a load turns with its node, and the stiffness is not symmetric", "leave followers out")
         if model.joints:

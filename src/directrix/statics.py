@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
 from directrix.checks import choice, reporting, whole
+from directrix.contact_groups import refuse_rod_contacts
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
+from directrix.diagnosis import at_start, noted, refuse
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refuse_strategies
 from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
@@ -99,6 +102,8 @@ def solve_static(
             "follow it with dx.Directors() or dx.CrisfieldJelenic()",
             "formulation=",
         )
+    if control is not None and isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+        refuse_rod_contacts(model, "a path with a control has its system of equations for good", "control=")
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
@@ -107,6 +112,7 @@ def solve_static(
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
+    found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static")
     run: _LoadSteps | Walk
     if control is None:
@@ -121,6 +127,7 @@ def solve_static(
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
     run.close()
+    status = noted(status, found)
     info = {
         "formulation": repr(formulation or Directors()), "tolerance": tolerance, "cuts": run.cuts, "rotation": rotation,
         "element": repr(scheme.element),
@@ -144,6 +151,8 @@ class _LoadSteps:
     def begin(self, x: Array, start: Result | None) -> None:
         """Keep the first state."""
         self.x = x
+        self.newton.driver.place(0.0, 0.0)
+        self.newton.driver.shift()
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.newton.disc, self.books)
         self._keep()
@@ -160,13 +169,14 @@ class _LoadSteps:
             newton.begin(self.x)
             moved = place_supports(disc, self.x, factor)
             loads = disc.external(factor, factor)
+            newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
             self.recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
                 self.x = before
                 reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
                 if reach < SMALLEST / steps:
-                    why = outcome.status
+                    why = explained(newton, before, outcome.status)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue

@@ -90,7 +90,7 @@ class Part(NamedTuple):
 
 def _chain(disc: Discretisation) -> Ints | None:
     """The elements of the only group in the order of the chain, all pointing one way; None when there is no such."""
-    if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names or disc.model.joints:
+    if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names:
         return None
     ends = disc.pattern.row[disc.groups[0].conn[:, [0, -1]]]
     steps = ends[:, 1] - ends[:, 0]
@@ -105,7 +105,14 @@ def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Arra
     It takes one chain of linear or quadratic elements of one kind that all point one way, a midpoint step without
     damping, supports that stay and loads that keep their direction."""
     order = _chain(disc)
-    if order is None or scheme.rates is not Rates.MIDPOINT or damped or disc.prescribed:
+    if (
+        order is None
+        or scheme.rates is not Rates.MIDPOINT
+        or damped
+        or disc.prescribed
+        or disc.drives
+        or disc.near is not None
+    ):
         return None
     group = disc.groups[0]
     if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < 2 * LANES:
@@ -243,7 +250,7 @@ def _joints(fixed: NDArray[np.uint8]) -> Joints:
     return Joints(
         elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
         fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(2), np.zeros(1),
-        np.zeros(7 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
+        np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
     )  # fmt: skip
 
 

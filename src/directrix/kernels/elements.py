@@ -6,6 +6,7 @@ history. ``external`` (n, 12) are forces and moments on the nodes, dead ones (6)
 """
 # pyright: basic, reportCallIssue=false
 
+from directrix.formulations.element import FLOWS
 from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
@@ -106,6 +107,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
     rhs[:] = 0.0
     by_nodes = nodal_terms(tables, work, x, g, external)
     flat_internal, flat_blocks, out = internal.reshape(-1), blocks.reshape(-1), work.out
+    flat_inside = work.node_block.reshape(-1)
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne = head[NN], head[COUNT]
@@ -121,6 +123,8 @@ def assemble(tables, work, x, g, external, mask, frozen):
                 _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
                 if head[UNKNOWN] == nn:
                     _add_blocks(out, from_ + nd, tables.dest, head[DEST] + e * nn * nn, nn * nn, flat_blocks)
+                elif nn == 1:  # on an interior node, which goes with the element of the rod
+                    add_block(flat_inside, 36 * tables.conn[head[CONN] + e], out, from_ + nd)
                 else:
                     conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
                     to = tables.dest[head[DEST] + 4 * e : head[DEST] + 4 * e + 4]
@@ -247,7 +251,9 @@ def commit(tables, work, x, g):
 
 @inner
 def lost(tables, work, x, g):
-    """Add what elements that dissipate by themselves took in the step to ``work.taken``, by source."""
+    """Add what elements took in the step to ``work.taken`` and what was done on them to ``work.done``, by source, and
+    the forces and moments on them from outside to ``work.ground``."""
+    stride = -(-FLOWS // LANES) * LANES
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         if head[LOST] == 0:
@@ -258,7 +264,14 @@ def lost(tables, work, x, g):
             places = head[AT] + block * LANES * (head[NN] + head[ROWS])
             call_kernel(head[LOST], x, tables.at, places, tables.par, parameters, g, work.out)
             for lane in range(count):
-                work.taken[tables.source[head[ELEMENT] + block * LANES + lane]] += work.out[lane * LANES]
+                at, e = lane * stride, head[ELEMENT] + block * LANES + lane
+                for k in range(2):
+                    source = tables.source[e, k]
+                    if source >= 0:
+                        work.taken[source] += work.out[at + 8 * k]
+                        work.done[source] += work.out[at + 8 * k + 1]
+                for i in range(6):
+                    work.ground[i] += work.out[at + 2 + i]
 
 
 @inner

@@ -242,21 +242,22 @@ def residual(nn: int) -> Code:
 def finish() -> Code:
     """Books of a node and x1 as the next x0, as ``step.finish`` does it for ẋ1 = (2/Δt)(x1 − x0) − ẋ0.
 
-    ``sums``: work of the loads, Σ force (3), Σ moment about the origin (3) at x½; ``own`` is 1 or 0: nodes that are in
+    ``sums``: work of the loads, Σ force (3), Σ moment about the origin (3) at x½, Σ |support force|²; ``own`` is 1 or 0: nodes that are in
     two lanes count once.
     """
     graph = Graph()
     x, load, res, free = (graph.inputs(n, k) for n, k in (("x", NODE), ("load", 6), ("res", 6), ("free", 6)))
-    (own,), g, sums = graph.inputs("own", 1), graph.inputs("g", 1), graph.inputs("sums", 7)
+    (own,), g, sums = graph.inputs("own", 1), graph.inputs("g", 1), graph.inputs("sums", 8)
     new, old = [[x[b + a : b + a + 3] for a in (3, 6, 9)] for b in (0, 12)]
     turned = [cross(a, b) for a, b in zip(old, new, strict=True)]
     axial = [turned[0][k] + turned[1][k] + turned[2][k] for k in range(3)]
     trace = 1.0 + sum(dot(a, b) for a, b in zip(new, old, strict=True))
     work = dot(load[:3], x[12:15]) + 2.0 * dot(load[3:], axial) / trace
-    on = [f - (1.0 - m) * r for f, m, r in zip(load, free, res, strict=True)]
+    held = [(1.0 - m) * r for m, r in zip(free, res, strict=True)]
+    on = [f - r for f, r in zip(load, held, strict=True)]
     middle = [x[k] - 0.5 * x[12 + k] for k in range(3)]
     moment = [m + c for m, c in zip(on[3:], cross(middle, on[:3]), strict=True)]
-    flows = [work, *on[:3], *moment]
+    flows = [work, *on[:3], *moment, dot(held[:3], held[:3])]
     stores = [Store("sums", k, sums[k] + own * v) for k, v in enumerate(flows)]
     gram = {(i, j): dot(new[i], new[j]) for i in range(3) for j in range(i, 3)}
     fresh: list[list[Scalar]] = []

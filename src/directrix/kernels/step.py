@@ -47,6 +47,7 @@ __all__ = [
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
 PHASE, ITERATION, FROZEN, BLAME = range(4)
+ROUND_OFF = 1e-14
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
@@ -88,7 +89,7 @@ def spread(tables, work):
         head = tables.head[group]
         nn = head[NN]
         m = 6 * (nn - 2)
-        for e in range(head[COUNT] if nn > head[UNKNOWN] else 0):
+        for e in range(head[COUNT] if nn > 2 and nn > head[UNKNOWN] else 0):
             conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
             back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
             for i in range(m):
@@ -99,12 +100,12 @@ def spread(tables, work):
 
 
 @compiled
-def move(step, nodes, x, frozen, cayley, limit):
+def move(step, nodes, x, frozen, cayley, limit, far=np.inf):
     """Add the increments ``step`` (≥ n, 6) to the ``nodes`` of ``x`` and to the multipliers behind them; largest
     displacement and turn.
 
-    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
-    value that is not finite, or −1.
+    If a node would turn by more than ``limit``, or move further than ``far``, everything is scaled down to that. Node
+    of the first value that is not finite, or −1.
     """
     moved, turned = 0.0, 0.0
     for node in range(step.shape[0]):
@@ -117,6 +118,8 @@ def move(step, nodes, x, frozen, cayley, limit):
             moved, turned = max(moved, d2), max(turned, t2)
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
+    if factor * moved > far:
+        factor = far / moved
     q, t = np.empty((3, 3)), np.empty(3)
     for node in range(nodes, step.shape[0]):
         for i in range(6):
@@ -138,10 +141,10 @@ def move(step, nodes, x, frozen, cayley, limit):
 
 
 @compiled
-def advance(tables, work, x, frozen, cayley, limit):
+def advance(tables, work, x, frozen, cayley, limit, far=np.inf):
     """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
     spread(tables, work)
-    return move(work.step, tables.nodes, x, frozen, cayley, limit)
+    return move(work.step, tables.nodes, x, frozen, cayley, limit, far)
 
 
 @inner
@@ -156,15 +159,15 @@ def carry(tables, work, x, g):
 @compiled
 def imbalance(nodes, work, mask, tolerance, floor, length):
     """Largest unbalanced force or moment over what is allowed, and its node; behind the ``nodes`` constraints, which
-    may be off by 1e-12 of the ``length`` of the model."""
+    may be off by 1e-12 of the ``length`` of the model. What rounds off where forces act on arms is always allowed."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(applied.shape[0]):
         for i in range(3):
             scale_f = max(scale_f, abs(applied[node, i]))
             scale_m = max(scale_m, abs(applied[node, 3 + i]))
-    allowed_f = max(tolerance * scale_f, floor[0])
-    allowed_m = max(tolerance * scale_m, floor[1])
+    allowed_f = max(tolerance * scale_f, floor[0], ROUND_OFF * scale_m / length)
+    allowed_m = max(tolerance * scale_m, floor[1], ROUND_OFF * scale_f * length)
     worst, at = 0.0, 0
     for node in range(applied.shape[0]):
         for i in range(6):
@@ -183,7 +186,7 @@ def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
-    whether the positions are solved for by themselves after a large turn.
+    whether the positions are solved for by themselves after a large turn, largest displacement per iteration.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -207,7 +210,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 return SINGULAR
         control[PHASE] = 0
         frozen = control[FROZEN] == 1
-        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit)
+        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit, options[8])
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE
@@ -234,8 +237,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what was dissipated; ``work.taken`` has
-    the last by source, ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, what was dissipated and the work that was done
+    on elements; ``work.taken`` and ``work.done`` have these by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = tables.nodes
@@ -270,8 +273,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
     work.taken[:] = 0.0
-    lost(tables, work, x, g)
+    work.done[:] = 0.0
     ground(tables, work, x, g)
+    lost(tables, work, x, g)
     driven, prescribed = acts(tables, work, x, g)
     done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
@@ -299,9 +303,10 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     books(tables, work, x, totals, strains)
     if damped:
         _dissipated(tables, work, strains)
-    work.flow[8] = 0.0
+    work.flow[8], work.flow[9] = 0.0, 0.0
     for source in range(work.taken.shape[0]):
         work.flow[8] += work.taken[source]
+        work.flow[9] += work.done[source]
 
 
 @inner

@@ -25,7 +25,7 @@ LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for a
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
-ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS = 0, 1, 2, 5, 8, 16
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD = 0, 1, 2, 5, 8, 16, 17
 
 
 @inner
@@ -288,10 +288,10 @@ def _close(code, s, g, w):
 
 @compiled
 def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, 17), as long as they converge; how many did.
+    """Take steps, one a row of ``results`` (steps, 18), as long as they converge; how many did.
 
     A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality. When a step does not converge the state is that at its start.
+    orthonormality, Σ |support force|². When a step does not converge the state is that at its start.
     """
     for k in range(results.shape[0]):
         _keep(main, False)
@@ -317,6 +317,7 @@ def run(code, main, rest, g, w, options, results):
         for lane in range(LANES):
             for c in range(7):
                 row[WORK + c] += w.sums[c * LANES + lane]
+            row[HELD] += w.sums[7 * LANES + lane]
             row[LOSS] = max(row[LOSS], w.loss[lane])
     return results.shape[0]
 

@@ -230,7 +230,12 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         root.create_dataset(name, data=json.dumps(value, default=_plain))
     for name in (*HISTORIES, "history", "joints"):
         _put(root, name, getattr(result, name))
-    for key, named in (("links", result.links), ("dissipated_by_source", result.energy.by_source)):
+    for key, named in (
+        ("links", result.links),
+        ("contacts", result.contacts),
+        ("dissipated_by_source", result.energy.by_source),
+        ("work_by_source", result.energy.work_by_source),
+    ):
         group = root.create_group(key)
         for k, (name, values) in enumerate(named.items()):
             _put(group, str(k), values)
@@ -238,7 +243,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
         for key in fields(value):
-            if key.name != "by_source":
+            if not key.name.endswith("by_source"):
                 _put(group, key.name, getattr(value, key.name))
 
     group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
@@ -276,11 +281,13 @@ def _read_result(root: Any) -> Result:
         mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
+        contacts=_read_named(root, "contacts"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         energy=Energy(
             **{name: data[()] for name, data in root["energy"].items()},
             by_source=_read_named(root, "dissipated_by_source"),
+            work_by_source=_read_named(root, "work_by_source"),
         ),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),
