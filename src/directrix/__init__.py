@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
+    from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.functions import harmonic, ramp, table
@@ -41,6 +42,7 @@ __all__ = [
     "DisplacementControl",
     "EnergyDissipating",
     "EnergyMomentum",
+    "Ensemble",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "InputError",
@@ -60,6 +62,7 @@ __all__ = [
     "TurningPoint",
     "arc",
     "buckling",
+    "ensemble",
     "harmonic",
     "helix",
     "laws",
@@ -80,6 +83,7 @@ _HOME = {
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
+    "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
     "functions": ("harmonic", "ramp", "table"),

@@ -258,6 +258,10 @@ def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> 
 def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
     """Numbering and blocks for the elements of ``groups``."""
     conn = [group.in_pattern for group in groups]
+    joined = conn[0]
+    in_line = len(conn) == 1 and joined.shape[1] == 2 and np.array_equal(joined[1:, 0], joined[:-1, 1])
+    if in_line and len(np.unique(joined)) == len(joined) + 1:
+        return _in_line(n, np.append(joined[:, 0], joined[-1, 1]))
     ends = np.unique(np.concatenate([c.ravel() for c in conn]))
     near: dict[int, list[int]] = {int(k): [] for k in ends}
     for elements in conn:
@@ -298,6 +302,18 @@ def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
         np.concatenate([np.array(d, np.int64) for d in dest]),
         tuple(itertools.accumulate((len(d) for d in dest[:-1]), initial=0)),
     )
+
+
+def _in_line(n: int, order: Ints) -> Pattern:
+    """The pattern of elements that follow one another along the nodes ``order``."""
+    rows = np.arange(len(order))
+    row = np.full(n, -1, np.int64)
+    row[order] = rows
+    own = 3 * rows + 1
+    return Pattern(
+        True, row, order, np.append(3 * rows, 3 * len(rows)), (rows[:, None] + np.arange(-1, 2)).ravel(), own,
+        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1).ravel(), (0,),
+    )  # fmt: skip
 
 
 def discretise(model: Model, scheme: Scheme) -> Discretisation:

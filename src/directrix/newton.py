@@ -17,7 +17,7 @@ from directrix.formulations.contact import SOFTENING, ObstacleElement, PairEleme
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
-from directrix.linear.sparse import BlockSparse
+from directrix.linear.condensed import Condensed
 from directrix.result import Status
 from directrix.scheme import Scheme
 
@@ -102,14 +102,14 @@ class Newton:
         self.tables, self.work = tables_for(disc, self.scheme), work_for(disc, self.scheme)
         self.globals = self.work.common
         self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
-        self._sparse: BlockSparse | None = None
+        self._sparse: Condensed | None = None
         self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
 
     @property
-    def sparse(self) -> BlockSparse:
+    def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
         if self._sparse is None:
-            self._sparse = BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
+            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
         return self._sparse
 
     def _look_around(self, x: Array) -> None:
@@ -334,16 +334,23 @@ class Newton:
         return x[: self.disc.nodes, :3] + self.origin
 
     def _follow(self, x: Array) -> None:
-        """Measure the positions of a free model from a point that goes along with it.
+        """Measure the positions of a free model from a point that goes along with it."""
+        shift = self.shift(x[0, :3])
+        if shift is not None:
+            x[: self.disc.nodes, :3] -= shift
+
+    def shift(self, first: Array) -> Array | None:
+        """By how much the origin moves along with a model whose first node is at ``first``; None where it stays.
 
         Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
         of two, so no digit of a position changes.
         """
-        if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
-            grain = 2.0 ** np.floor(np.log2(self.disc.length))
-            shift = np.rint(x[0, :3] / grain) * grain
-            x[: self.disc.nodes, :3] -= shift
-            self.origin += shift
+        if np.abs(first).max() <= 8.0 * self.disc.length:
+            return None
+        grain = 2.0 ** np.floor(np.log2(self.disc.length))
+        shift = np.rint(first / grain) * grain
+        self.origin += shift
+        return shift
 
     def _about_zero(self) -> Books:
         if self.free:
