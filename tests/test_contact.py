@@ -230,6 +230,7 @@ def test_rods_that_hit_in_flight(order: int, friction: float) -> None:
     both = result.contact("both")
     assert both.gap.min() < 0.0 and both.force.max() > 10.0 and np.isinf(both.gap[0])
     assert closes(result) and (result.energy.dissipated[-1] > 1e-4) == (friction > 0.0)
+    assert list(result.energy.by_source) == (["contact 'both'"] if friction else [])
     for momentum in (result.momentum.linear, result.momentum.angular):
         assert np.abs(momentum - momentum[0]).max() <= 1e-11 * np.abs(momentum).max()
 
