@@ -60,6 +60,27 @@ def test_what_was_sound_is_not_when_what_holds_it_is_taken_away(seed: int) -> No
     assert repr(model.rods[0].name) in str(error.value) and error.value.fix
 
 
+@pytest.mark.parametrize("left_out", ["", "joint20"])
+def test_many_parts_are_one_system(left_out: str) -> None:
+    """A chain of forty bars on hinges with springs, held at one end; without one of the joints the rest is loose."""
+    model = dx.Model()
+    for k in range(40):
+        axis = dx.line((k, 0, 0), (k + 0.8, 0, 0))
+        model = model.rod(axis, SECTION, name=f"bar{k}", ends=(f"a{k}", f"b{k}"), elements=1, order=1)
+        if k:
+            model = model.hinge(f"b{k - 1}", f"a{k}", axis=(0, 1, 0), name=f"joint{k}", stiffness=1.0)
+    model = model.spring("a0", (0, 0, 1), 1.0).spring("a0", (0, 1, 0), 1.0).spring("a0", (-1, 0, 0), 1.0)
+    model = model.spring("b39", (39.8, 0, 1), 1.0).spring("b39", (39.8, 1, 0), 1.0)
+    model = model.spring("b39", (39.8, 1, 0), 1.0, offset_a=(0, 0, 0.5))
+    model = replace(model, joints=tuple(j for j in model.joints if j.name != left_out))
+    if not left_out:
+        assert model.check(static=True) == ()
+        return
+    with pytest.raises(dx.ModelError, match="'bar0'") as error:
+        model.check(static=True)
+    assert "'bar20'" in str(error.value)
+
+
 def test_each_link_of_a_body_on_six_is_needed() -> None:
     model = sound(7)
     assert len(model.links) == 6 and not model.supports

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+    from directrix.functions import harmonic, ramp, table
     from directrix.integrators import (
         EnergyDissipating,
         EnergyMomentum,
@@ -59,15 +60,18 @@ __all__ = [
     "TurningPoint",
     "arc",
     "buckling",
+    "harmonic",
     "helix",
     "laws",
     "line",
     "load",
     "modes",
     "polyline",
+    "ramp",
     "simulate",
     "solve_static",
     "spline",
+    "table",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
@@ -78,6 +82,7 @@ _HOME = {
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "functions": ("harmonic", "ramp", "table"),
     "integrators": (
         "EnergyDissipating",
         "EnergyMomentum",

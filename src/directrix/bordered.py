@@ -125,13 +125,19 @@ class Bordered:
         """
         newton, work = self.newton, self.newton.work
         external = self.disc.external(factor, factor)
-        sides = (external, external + self._load_rate(factor))
+        # what drives elements need not enter linearly: a small step then, and the state itself last
+        h = 1e-6 * max(1.0, abs(factor)) if self.disc.drives else 1.0
+        sides = (external, external + h * self._load_rate(factor))
         rhs, inside = np.empty((2, *work.rhs.shape)), np.empty((2, len(work.back)))
-        for k, loads in enumerate(sides):
+        for k in (1, 0):
+            loads = sides[k]
+            newton.driver.place(factor + k * h, factor + k * h)
             bad = kernel.assemble(newton.tables, work, x, newton.globals, loads, newton.mask, False)
             if bad >= 0:
                 return self._singular(int(newton.tables.element_node[bad]))
             rhs[k], inside[k] = work.rhs, work.back[:, 12]
+        if h != 1.0:
+            rhs[1], inside[1] = (a[0] + (a[1] - a[0]) / h for a in (rhs, inside))
         rhs[1][self.held] = self._support_rate(factor)[self.held]
         low, high = _around(factor)
         for joint, value in self.disc.driven:

@@ -240,6 +240,9 @@ def _stopped(disc: Discretisation) -> list[str]:
 
 def _in_words(disc: Discretisation, cluster: Cluster, verb: str) -> str:
     """One sentence on what moves how, and where most."""
+    if len(cluster.parts) > 1 and cluster.free.shape[1] == 6 and np.linalg.matrix_rank(cluster.free[:6], ALIKE) == 6:
+        tied = ", ".join(part.name for part in cluster.parts[1:3]) + (" …" if len(cluster.parts) > 3 else "")
+        return f"{cluster.parts[0].name}, and with it {tied},{verb}: in every direction; together they have no support"
     said: list[str] = []
     for part, q in zip(cluster.parts, np.split(cluster.free, len(cluster.parts)), strict=True):
         top = largest_nodes(_far(part, q), part.nodes, disc.mesh)

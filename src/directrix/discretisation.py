@@ -14,17 +14,29 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from directrix.actuators import value_at
 from directrix.basis import gauss, lagrange
 from directrix.checks import number, shown, vector
 from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
+from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
 from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
-from directrix.groups import Group, attached_groups, layout_of, lumped_at_nodes, mesh_rod, parameters_of
+from directrix.free_nodes import idle_rotations, refuse_loose
+from directrix.groups import (
+    Group,
+    attached_groups,
+    layout_of,
+    lumped_at_nodes,
+    mesh_rod,
+    parameters_of,
+    refuse_driven,
+    routes_of,
+)
 from directrix.joint_groups import joint_groups, unused
-from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Vec
+from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.scheme import Scheme
@@ -41,7 +53,8 @@ __all__ = ["Discretisation", "LoadTerm", "Pattern", "discretise"]
 @dataclass(frozen=True)
 class LoadTerm:
     """A load as the solvers see it: ``value(t)`` times ``weights`` on ``nodes``, from column ``first`` on of the loads:
-    0 force, 3 moment, 6 following force, 9 following moment."""
+    0 force, 3 moment, 6 following force, 9 following moment. ``weights`` are (nodes, 1) for a vector, (nodes, 3) for a
+    number that acts in directions of their own."""
 
     first: int
     nodes: Ints
@@ -84,11 +97,12 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
-    spread: Mapping[str, tuple[Ints, Array]]
-    """Nodes of every rod, element by element, and the lengths that they stand for."""
+    spread: Mapping[str, tuple[Ints, Array, Array]]
+    """Nodes of every rod, element by element, the lengths that they stand for and their directors."""
     near: Near | None
     """Finds what rods may touch; the elements for it come and go."""
     sources: Sources
+    drives: tuple[Drive, ...]
 
     def touching(self, pairs: Pairs, scheme: Scheme) -> Discretisation:
         """The same with these pairs of rods in contact; then all nodes are unknowns of the system, to be coupled."""
@@ -156,11 +170,23 @@ class Discretisation:
         out = np.zeros((self.rows, 12))
         for load in self.loads:
             value = load.value(t) * (1.0 if load.constant else factor)
-            np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights[:, None] * value)
+            np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights * value)
+        return out
+
+    def driven_at(self, t: float, factor: float) -> Discretisation:
+        """The same with intrinsic strains, tensions of tendons and flows as they are at ``t``."""
+        return replace(self, groups=driven(self.groups, self.drives, t, factor))
+
+    def intrinsic(self, t: float, factor: float) -> Array:
+        """Strains (stations, 6) without stress at ``t``."""
+        out = np.zeros((self.stations, 6))
+        for actuation in self.model.actuations:
+            rod = self.mesh.rod(actuation.rod)
+            out[rod.first_station : rod.first_station + len(rod.stations)] = actuation.at(t, factor, rod.stations)
         return out
 
     def section_force(self, strain: Array) -> Array:
-        """Section forces (…, stations, 6) from strains (…, stations, 6)."""
+        """Section forces (…, stations, 6) from strains (…, stations, 6) that are stressed."""
         parts = [
             section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
             for r, section in zip(self.mesh.rods, self.sections, strict=True)
@@ -198,6 +224,8 @@ class Discretisation:
                 k = self.mesh.node_names[given.node]
                 v[k] += given.v
                 omega[k] += given.omega
+        for name in idle_rotations(self.model, False):
+            omega[self.mesh.node_names[name]] = 0.0
         return v, omega
 
 
@@ -221,6 +249,13 @@ def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) 
     return checked
 
 
+def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> Callable[[float], Array]:
+    if not callable(value):
+        given = np.array([value])
+        return lambda t: given
+    return lambda t: value_at(value, 1, what, t)
+
+
 def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
     """Numbering and blocks for the elements of ``groups``."""
     conn = [group.in_pattern for group in groups]
@@ -229,7 +264,8 @@ def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
     for elements in conn:
         for a, b in itertools.permutations(range(elements.shape[1]), 2):
             for here, there in elements[:, [a, b]].tolist():
-                near[here].append(there)
+                if there not in near[here]:  # a tendon beside a rod joins no more than the rod does
+                    near[here].append(there)
     order: list[int] = []
     seen: set[int] = set()
     for start in [k for k in near if len(near[k]) == 1]:
@@ -271,12 +307,15 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
     model.check(static=not dynamic, dynamic=dynamic, meshed=False)
+    refuse_driven(model, scheme)
     positions: list[Array] = [np.array(node.at) for node in model.nodes]
     names = {node.name: k for k, node in enumerate(model.nodes)}
     rods: list[RodMesh] = []
     notes: list[str] = []
     by_layout: dict[Layout, list[tuple[Ints, Array, Ints, Array]]] = {}
-    spread: dict[str, tuple[Ints, Array]] = {}
+    owners: dict[Layout, list[str]] = {}
+    spread: dict[str, tuple[Ints, Array, Array]] = {}
+    drags = {drag.rod: drag for drag in model.drags}
     station = 0
     for rod in model.rods:
         mesh = mesh_rod(rod)
@@ -296,12 +335,15 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         ne, nn = mesh.directors.shape[:2]
         local: Ints = np.arange(ne)[:, None] * rod.order + np.arange(nn)
         conn = index[local]
-        layout = layout_of(rod, nn, element)
+        layout = layout_of(rod, nn, element, model)
         points = layout.points
-        parameters, weights, history = parameters_of(rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped)
+        parameters, weights, history = parameters_of(
+            rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped, drags.get(rod.name)
+        )
         first: Ints = station + points * np.arange(ne)
         by_layout.setdefault(layout, []).append((conn, parameters, first, history))
-        spread[rod.name] = conn.ravel(), weights.ravel()
+        owners.setdefault(layout, []).extend([rod.name] * ne)
+        spread[rod.name] = conn.ravel(), weights.reshape(-1, 1), mesh.directors.reshape(-1, 3, 3)
         shape = lagrange(rod.order, gauss(points)[0])[0]
         at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
         rods.append(
@@ -312,18 +354,30 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         )  # fmt: skip
         station += points * ne
     groups = tuple(
-        Group(element, layout, *(np.concatenate([part[k] for part in parts]) for k in range(4)))  # type: ignore[arg-type]
+        Group(
+            element,
+            layout,
+            *(np.concatenate([part[k] for part in parts]) for k in range(4)),  # type: ignore[arg-type]
+            lossy=layout.dragged and dynamic,
+            works=layout.dragged or layout.actuated,
+            owners=tuple(owners[layout]),
+        )
         for layout, parts in by_layout.items()
     )
     lumped = lumped_at_nodes(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
     carried = scheme.static and any(g.element.rows(g.layout) for g in groups)
     r0 = np.array(positions)
-    groups += attached_groups(model, scheme, names, r0) + joint_groups(model.joints, scheme, names, r0, carried)
-    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
-    groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, spread, ends)), key=lambda g: not g.inside))
+    groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
+    groups += joint_groups(model.joints, scheme, names, r0, carried)
+    if model.contacts:
+        ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+        groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, spread, ends)), key=lambda g: not g.inside))
     mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
+    idle = [names[name] for name in idle_rotations(model, scheme.static)]
+    fixed[idle, 3:] = True
+    refuse_loose(model, names, groups, fixed)
     return Discretisation(
         model,
         mesh,
@@ -338,6 +392,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         spread,
         near_of(model, mesh, scheme),
         sources_of(model, groups, scheme),
+        drives_of(model, groups, rods),
     )
 
 
@@ -396,25 +451,35 @@ def _drives(model: Model, n: int) -> list[LoadTerm]:
         value = _scalar(joint.drive, False, what)
         terms.append(
             LoadTerm(
-                6, np.array([n + j]), np.ones(1), lambda t, f=value: np.array([f(t), 0.0, 0.0]), False,
+                6, np.array([n + j]), np.ones((1, 1)), lambda t, f=value: np.array([f(t), 0.0, 0.0]), False,
                 callable(joint.drive), what,
             )
         )  # fmt: skip
     return terms
 
 
-def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:
+def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array, Array]]) -> tuple[LoadTerm, ...]:
     terms: list[LoadTerm] = []
     for load in model.loads:
+        if isinstance(load, Pressure):
+            nodes, weights, directors = spread[load.rod]
+            side = directors[:, :, int(load.along[-1]) - 1] * (-1.0 if load.along.startswith("-") else 1.0)
+            what = f"the pressure on rod {load.rod!r}"
+            value = _number_function(load.value, what)
+            terms.append(
+                LoadTerm(6, nodes, load.width * weights * side, value, load.constant, callable(load.value), what)
+            )
+            continue
         if isinstance(load, Gravity):
             over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
-            over += [(np.array([names[body.node]]), np.array([body.mass])) for body in model.bodies]
+            over += [(np.array([names[body.node]]), np.array([[body.mass]])) for body in model.bodies]
             what, first = "gravity", 0
         elif isinstance(load, Distributed):
-            over, what, first = [spread[load.rod]], f"the distributed load on rod {load.rod!r}", 0
+            over, what = [spread[load.rod][:2]], f"the distributed load on rod {load.rod!r}"
+            first = 6 if load.follower else 0
         else:
             kind = "force" if isinstance(load, Force) else "moment"
-            over, what = [(np.array([names[load.node]]), np.ones(1))], f"the {kind} on node {load.node!r}"
+            over, what = [(np.array([names[load.node]]), np.ones((1, 1)))], f"the {kind} on node {load.node!r}"
             first = (0 if kind == "force" else 3) + (6 if load.follower else 0)
         value = _as_function(load.value, False, what)
         terms += [LoadTerm(first, nodes, w, value, load.constant, callable(load.value), what) for nodes, w in over]

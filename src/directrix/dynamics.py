@@ -81,6 +81,8 @@ def simulate(
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, Settings(tolerance))
+    newton.driver.place(t0, 1.0)
+    newton.driver.shift()
     place_supports(disc, x, t0)
     refuse_joints(newton, x, fresh=start is None or start.kind == "static")
     refuse(without_inertia(newton, x))
@@ -107,6 +109,10 @@ def simulate(
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
+            if newton.driver.varies and ends:
+                newton.driver.place(t, 1.0)
+            elif newton.driver.varies:
+                newton.driver.act(before, t, load_rule)
             newton.begin(x)
             moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)

@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.discretisation import Discretisation
 from directrix.errors import ModelError
+from directrix.formulations.attached import BodyElement
 from directrix.joint_groups import redundant
 from directrix.joints import KINDS
 from directrix.kernels.elements import element_tangents
@@ -21,8 +23,11 @@ LARGEST = 2000  # constraints: beyond, their rank is not looked for
 
 def refuse_joints(newton: Newton, x: Array, *, fresh: bool = True) -> None:
     """Raise ModelError for joints that repeat what others or supports hold in the state ``x``, that are not together
-    there, or, when ``fresh``, that its velocities pull apart (those of a step do so a little, of second order)."""
+    there, or, when ``fresh``, that its velocities pull apart (those of a step do so a little, of second order); and for
+    nodes without mass that nothing holds."""
     disc, scheme = newton.disc, newton.scheme
+    if not scheme.static:
+        _refuse_massless(newton, x)
     joints = disc.model.joints
     if not joints:
         return
@@ -66,6 +71,83 @@ def refuse_joints(newton: Newton, x: Array, *, fresh: bool = True) -> None:
                 f"the initial velocities pull joint {joint.name!r} apart",
                 f"give its nodes {' and '.join(map(repr, joint.nodes))} velocities and spins that go together",
             )
+
+
+def _refuse_massless(newton: Newton, x: Array) -> None:
+    """Free nodes may lack mass only where constraints, links or springs of joints say how they move."""
+    disc = newton.disc
+    where, ways = _massless(disc)
+    if not len(where) or len(where) > LARGEST:
+        return
+    n = disc.nodes
+    pulls, holds = np.zeros((len(where), n, 6)), np.zeros((len(where), len(disc.model.joints), 6))
+    for k, group in enumerate(disc.groups):
+        if not group.names or isinstance(group.element, BodyElement):
+            continue
+        ne, nn = group.conn.shape
+        out = np.empty((ne, 6 * nn, 6 * nn))
+        element_tangents(newton.tables, newton.work, x, newton.globals, k, out)
+        for e, nodes in enumerate(group.conn):
+            for b, there in enumerate(nodes):
+                for way in np.flatnonzero(where == there):
+                    column = (out[e, :, 6 * b : 6 * b + 6] @ ways[way]).reshape(nn, 6)
+                    for a, here in enumerate(nodes):
+                        to = pulls[way, here] if here < n else holds[way, here - n]
+                        to += column[a]
+    pulls[:, :, 3:] /= disc.length
+    holds[:, :, :3] /= disc.length
+    parts = [part.reshape(len(where), -1) for part in (pulls, holds)]
+    stack = np.concatenate([part / max(np.abs(part).max(initial=0.0), 1e-300) for part in parts], axis=1)
+    vectors, values, _ = np.linalg.svd(stack, full_matrices=False)
+    if values[-1] > 1e-12 * max(values[0], 1e-300):
+        return
+    loose = vectors[:, -1]
+    node = int(where[np.abs(loose).argmax()])
+    motion = np.einsum("w,wc->c", loose * (where == node), ways)
+    name = disc.mesh.label(node)
+    if all(body.node != name for body in disc.model.bodies):
+        does = "moves" if np.any(np.round(motion[:3], 6)) else "turns"
+        raise ModelError(
+            f"node {name!r} has no mass, and nothing says how it {does}",
+            "give it .point_mass or .rigid_body, or hold it with joints or supports",
+        )
+    axis = motion[3:] / np.linalg.norm(motion[3:])
+    about = ", ".join(f"{c + 0.0:.3g}" for c in np.round(axis * np.sign(axis[np.abs(axis).argmax()]), 9))
+    raise ModelError(
+        f"node {name!r} has no rotary inertia about ({about}) and nothing holds that turn, its speed is not determined",
+        "give it .rigid_body with inertia about that line, or a joint or support that holds the turn",
+    )
+
+
+def _massless(disc: Discretisation) -> tuple[NDArray[np.int64], Array]:
+    """Nodes (m,) on no rod, and how they could move (m, 6) without moving a mass; turns in units of the size."""
+    model = disc.model
+    on_rods = {name for rod in model.rods for name in rod.names}
+    bodies = {body.node: body for body in model.bodies}
+    where: list[int] = []
+    ways: list[Array] = []
+    for node in model.nodes:
+        if node.name in on_rods:
+            continue
+        k = disc.mesh.node_names[node.name]
+        free = ~disc.fixed[k]
+        body = bodies.get(node.name)
+        found: list[Array] = []
+        if body is None:
+            found += list(np.eye(6)[free])
+        else:
+            turns = np.flatnonzero(free[3:])
+            values, vectors = np.linalg.eigh(body.inertia[np.ix_(turns, turns)])
+            for value, vector in zip(values, vectors.T, strict=True):
+                if value <= 1e-12 * np.abs(body.inertia).max():
+                    way = np.zeros(6)
+                    way[3 + turns] = vector
+                    found.append(way)
+        where += [k] * len(found)
+        ways += found
+    out = np.array(ways).reshape(-1, 6)
+    out[:, 3:] /= disc.length
+    return np.array(where, np.int64), out
 
 
 def _constraints(newton: Newton, x: Array) -> tuple[Array, Array]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import Vec, choice, number, text, vector
+from directrix.checks import Vec, choice, number, shown, text, vector
 from directrix.errors import ModelError
 
 Array = NDArray[np.float64]
@@ -93,13 +93,18 @@ class Joint:
             raise ModelError(f"{where} joins node {self.a!r} to itself", "name another node, or none for the ground")
         for key in ("axis", "second", "at"):
             value = getattr(self, key)
-            if value is not None:
+            if value is not None or key == "axis":
                 object.__setattr__(self, key, vector(value, f"{where}: {key}"))
-        if not np.any(self.axis):
-            raise ModelError(f"{where}: axis = (0, 0, 0) has no direction", "give the direction of its axis")
-        number(self.stiffness, f"{where}: stiffness", least=0.0)
+        for axis in (self.axis, self.second):
+            if axis is not None and not 1e-100 < np.abs(axis).max() < 1e100:
+                raise ModelError(f"{where}: axis = {axis} has no direction", "give the direction of its axis")
+        for key in ("stiffness", "damping", "stop_stiffness", "stop_width"):
+            number(getattr(self, key), f"{where}: {key}", least=0.0)
         number(self.rest, f"{where}: rest")
-        number(self.damping, f"{where}: damping", least=0.0)
+        for key in ("prescribed", "drive"):
+            value = getattr(self, key)
+            if value is not None and not callable(value):
+                object.__setattr__(self, key, number(value, f"{where}: {key}"))
         self._universal(where)
         self._actions(where)
 
@@ -107,38 +112,42 @@ class Joint:
         if (self.second is None) == (self.kind == "universal"):
             raise ModelError(f"{where}: a universal joint has two axes, others one", "give axes= to .universal")
         if self.second is not None:
-            cosine = abs(np.dot(self.axis, self.second)) / max(
-                float(np.linalg.norm(self.axis) * np.linalg.norm(self.second)), 1e-300
-            )
-            if not np.any(self.second) or cosine > 1e-9:
+            cosine = abs(np.dot(self.axis, self.second)) / (np.linalg.norm(self.axis) * np.linalg.norm(self.second))
+            if cosine > 1e-9:
                 raise ModelError(
                     f"{where}: its axes {self.axis} and {self.second} are not perpendicular", "give two that are"
                 )
 
     def _actions(self, where: str) -> None:
         free = KINDS[self.kind].free
-        given = [k for k in ("stiffness", "damping", "prescribed", "drive", "stops") if getattr(self, k)]
-        for key in given:
+        acting = {k: getattr(self, k) for k in ("stiffness", "damping", "prescribed", "drive", "stops")}
+        given = [
+            k for k, value in acting.items() if value is not None and not (k in ("stiffness", "damping") and not value)
+        ]
+        for key in [*given, *(["rest"] if self.rest else [])]:
             if not free or (free == "ball" and key not in ("stiffness", "damping")):
                 raise ModelError(
                     f"{where}: a {self.kind} joint has no single coordinate that {key} could act on",
                     "use a hinge, a slider or a cylindrical joint, or links",
                 )
         if self.prescribed is not None and len(given) > 1:
-            raise ModelError(
-                f"{where}: its coordinate is prescribed, {given[0]} would do nothing", "keep one of the two"
-            )
+            other = next(key for key in given if key != "prescribed")
+            raise ModelError(f"{where}: its coordinate is prescribed, {other} would do nothing", "keep one of the two")
+        if self.rest and not self.stiffness:
+            raise ModelError(f"{where}: rest = {self.rest:g} is that of a spring, and it has none", "give stiffness=")
         if self.stops is None:
+            for key in ("stop_stiffness", "stop_width"):
+                if getattr(self, key):
+                    raise ModelError(f"{where}: {key} is that of stops, and it has none", "give stops=(lower, upper)")
             return
-        try:
-            low, high = self.stops
-        except (TypeError, ValueError):
-            raise ModelError(f"{where}: stops = {self.stops} are not two numbers", "give (lower, upper)") from None
-        number(low, f"{where}: lower stop")
-        if not number(high, f"{where}: upper stop") > low:
+        stops: Any = self.stops
+        if not isinstance(stops, (tuple, list, np.ndarray)) or len(cast("list[Any]", stops)) != 2:
+            raise ModelError(f"{where}: stops = {shown(self.stops)} are not two numbers", "give (lower, upper)")
+        low, high = (number(x, f"{where}: {side} stop") for x, side in zip(self.stops, ("lower", "upper"), strict=True))
+        if not high > low:
             raise ModelError(f"{where}: stops = ({low:g}, {high:g}) leave no room", "give (lower, upper)")
+        object.__setattr__(self, "stops", (low, high))
         number(self.stop_stiffness, f"{where}: stop_stiffness", above=0.0)
-        number(self.stop_width, f"{where}: stop_width", least=0.0)
 
     @property
     def active(self) -> bool:

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csc_matrix, identity
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
 
 from directrix.discretisation import Discretisation
 from directrix.motions import Part
@@ -24,6 +25,8 @@ from directrix.tangents import group_tangents
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+FEW = 200  # unknowns up to which singular values are asked, beyond them their squares
+SQUARED = 1e-12  # as NOTHING, of squares, which tell less
 NOTHING = 1e-9  # of what an equation can be: below it nothing is held
 
 __all__ = ["Cluster", "Equations", "clusters", "equations_of", "parts_of", "stress_equations"]
@@ -143,8 +146,21 @@ def _stacked(equations: Sequence[Equations], at: dict[int, int]) -> Array:
 
 def _null_space(rows: Array) -> Array:
     """Orthonormal motions (columns) that satisfy ``rows`` (m, n)."""
-    _, s, vt = np.linalg.svd(_triangle(rows))
-    return vt[int(np.sum(s > NOTHING)) :].T
+    n = rows.shape[1]
+    if n <= FEW:
+        _, s, vt = np.linalg.svd(_triangle(rows))
+        return vt[int(np.sum(s > NOTHING)) :].T
+    sparse = csc_matrix(rows)
+    gram = csc_matrix(sparse.T @ sparse)
+    factored, random, count = splu(csc_matrix(gram + 1e-15 * identity(n))), np.random.default_rng(0), 8
+    while True:  # the smallest eigenvalues, by inverse iteration, until one of them is none
+        block = random.standard_normal((n, count))
+        for _ in range(6):
+            block = np.linalg.qr(factored.solve(block))[0]
+        values, vectors = np.linalg.eigh(block.T @ (gram @ block))
+        if values[-1] > SQUARED or count == n:
+            return block @ vectors[:, values <= SQUARED]
+        count = min(2 * count, n)
 
 
 def equations_of(newton: Newton, x: Array, parts: tuple[Part, ...]) -> list[Equations]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.contacts import Contact, Obstacle, RodContact, named_rods
@@ -22,10 +23,11 @@ VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
+OPTIONS = tuple(f.name for f in fields(Joint))[4:]  # behind name, kind, nodes
 
 __all__ = [
-    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "RigidVelocity", "Rod",
-    "Support", "Vec", "VecOrFn", "Velocity",
+    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "Pressure", "RigidVelocity",
+    "Rod", "Support", "Vec", "VecOrFn", "Velocity",
 ]  # fmt: skip
 
 
@@ -97,10 +99,23 @@ class Moment:
 
 @dataclass(frozen=True)
 class Distributed:
-    """Dead force per unit reference length of a rod, global frame."""
+    """Dead force per unit reference length of a rod, global frame; with ``follower`` it turns with the sections, and
+    its components are those in the reference."""
 
     rod: str
     value: VecOrFn
+    constant: bool = False
+    follower: bool = False
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure on one side of a rod: the force ``value`` · ``width`` per unit reference length along a director."""
+
+    rod: str
+    value: float | Callable[[float], ArrayLike]
+    width: float = 1.0
+    along: str = "d1"
     constant: bool = False
 
 
@@ -130,7 +145,8 @@ class RigidVelocity:
     about: Vec = (0.0, 0.0, 0.0)
 
 
-Load = Force | Moment | Distributed | Gravity
+Load = Force | Moment | Distributed | Gravity | Pressure
+SIDES = ("d1", "d2", "-d1", "-d2")
 
 
 def _value(value: Any, what: str) -> VecOrFn:
@@ -154,11 +170,18 @@ class Model:
     bodies: tuple[Body, ...] = ()
     contacts: tuple[Contact, ...] = ()
     rod_contacts: tuple[RodContact, ...] = ()
+    actuations: tuple[Actuation, ...] = ()
+    drags: tuple[Drag, ...] = ()
+    tendons: tuple[Tendon, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
 
     def node(self, name: str, at: Any) -> Self:
-        """Add a node that is on no rod, for a body that joints or links hold."""
+        """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
+
+        What moves of it in dynamics needs mass, or a joint, link or support that says how. Raises ModelError for a name
+        that is taken or a place that is none.
+        """
         name = text(name, "name of a node")
         if any(other.name == name for other in self.nodes):
             raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
@@ -290,16 +313,27 @@ class Model:
         )
         return replace(self, loads=(*self.loads, new))
 
-    def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
-        """Dead force per unit reference length of a rod: a vector or a function of time."""
+    def distributed(self, rod: str, f: Any, *, constant: bool = False, follower: bool = False) -> Self:
+        """Force per unit reference length of a rod: a vector or a function of time.
+
+        Dead, or with ``follower`` turning with the sections: R f, R their rotation from the reference.
+        """
         rod = text(rod, "name of a rod")
-        return replace(
-            self,
-            loads=(
-                *self.loads,
-                Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), flag(constant, "constant")),
-            ),
-        )
+        value = _value(f, f"distributed load on rod {rod!r}")
+        new = Distributed(rod, value, flag(constant, "constant"), flag(follower, "follower"))
+        return replace(self, loads=(*self.loads, new))
+
+    def pressure(self, rod: str, p: Any, *, width: float = 1.0, along: str = "d1", constant: bool = False) -> Self:
+        """Pressure on one side of a rod, a number or a function of time: p · ``width`` per unit reference length.
+
+        The force pushes ``along`` a director, "d1", "d2", "-d1" or "-d2", and follows the section.
+        """
+        rod = text(rod, "name of a rod")
+        value = numbers(p, 1, f"pressure on rod {rod!r}")
+        number(width, f"width of the pressure on rod {rod!r}", above=0.0)
+        choice(along, "direction of a pressure", SIDES)
+        new = Pressure(rod, value, float(width), along, flag(constant, "constant"))
+        return replace(self, loads=(*self.loads, new))
 
     def gravity(self, g: Any, *, constant: bool = False) -> Self:
         """Acceleration of gravity: a vector or a function of time."""
@@ -329,6 +363,46 @@ class Model:
         made = Link(self._link_name(name), a, b, stiffness, length, damping, offset_a, offset_b, True, width)
         return self._link(made)
 
+    def actuate(
+        self, rod: str, *, curvature: Any = None, twist: Any = None, elongation: Any = None, strain: Any = None,
+        along: bool = False,
+    ) -> Self:  # fmt: skip
+        """Change the strain at which a rod is without stress, as muscles and swelling do; see :class:`Actuation`.
+
+        ``curvature`` (bending 1, bending 2), ``twist``, ``elongation`` or all six as ``strain``: values, or functions
+        of t, with ``along`` of (t, s).
+        """
+        new = Actuation(rod, curvature, twist, elongation, strain, along)
+        if any(other.rod == new.rod for other in self.actuations):
+            raise ModelError(f"rod {rod!r} is actuated twice", "give one actuation, their sum if that is meant")
+        return replace(self, actuations=(*self.actuations, new))
+
+    def tendon(
+        self, along: str | Iterable[str], tension: Any, *, offset: Any = (0.0, 0.0), name: str | None = None,
+        constant: bool = False,
+    ) -> Self:  # fmt: skip
+        """A tendon along a rod, or from node to node, with a tension that is a number or a function of time.
+
+        See :class:`Tendon`.
+        """
+        name = f"tendon{len(self.tendons) + 1}" if name is None else name
+        new = Tendon(name, along if isinstance(along, str) else tuple(along), tension, offset, constant)
+        if any(other.name == new.name for other in self.tendons):
+            raise ModelError(f"there are two tendons called {name!r}", "give each tendon a name of its own")
+        return replace(self, tendons=(*self.tendons, new))
+
+    def drag(
+        self, rod: str, normal: float, tangential: float = 0.0, *, flow: Any = (0.0, 0.0, 0.0), constant: bool = False
+    ) -> Self:
+        """Quadratic drag of a fluid on a rod; ``flow`` is the fluid's velocity, a vector or a function of time.
+
+        See :class:`Drag`.
+        """
+        new = Drag(rod, normal, tangential, flow, constant)
+        if any(other.rod == new.rod for other in self.drags):
+            raise ModelError(f"rod {rod!r} has two drags", "give one, their sum if that is meant")
+        return replace(self, drags=(*self.drags, new))
+
     def point_mass(self, node: str, m: float) -> Self:
         """A mass on a node."""
         return self.rigid_body(node, m, np.zeros((3, 3)))
@@ -337,13 +411,17 @@ class Model:
         """A rigid body on a node; ``inertia`` (3, 3) about its centre of mass, in the reference frame.
 
         The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
-        joint of that name.
+        joint of that name. Raises ModelError for a mass or an inertia that no body has, and for a second body on it.
         """
+        node = text(node, "node of a body")
         if offset is not None:
             arm, own = np.array(vector(offset, f"offset of the body on node {node!r}")), f"{node}.body"
             places = self._places()
             if node not in places:
-                raise ModelError(f"there is no node {node!r} for the body", "add rods and nodes first")
+                raise ModelError(
+                    f"there is no node {node!r} for the body",
+                    f"{nearest(node, places)}add rods and nodes before a body that is off its node",
+                )
             apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
             return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
         body = Body(node, mass, np.asarray(inertia))
@@ -402,23 +480,59 @@ class Model:
         return name
 
     def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
-        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far."""
+        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far.
+
+        Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "rigid", a, b)
 
     def spherical(self, a: str, b: str | None = None, *, name: str | None = None, **options: Any) -> Self:
-        """A ball joint. ``options``: at, stiffness, damping, see :class:`Joint`."""
+        """A ball joint: all turning is free.
+
+        ``options``: ``at``, ``stiffness`` (moment per angle) against any relative rotation, ``damping`` (moment per
+        relative spin); see :meth:`hinge`, also for what is raised.
+        """
         return self._joint(name, "spherical", a, b, **options)
 
     def hinge(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """A hinge about ``axis`` (turns with ``a``). ``options``: at, stiffness, rest, damping, prescribed, drive,
-        stops, stop_stiffness, stop_width on its angle, see :class:`Joint`."""
+        """A hinge between node ``a`` and node ``b``, or ``a`` and the ground.
+
+        Its angle q [rad] is that of ``b`` relative to ``a`` (of ``a`` relative to the ground) about the axis, zero in
+        the reference, any number of turns. Constraints hold at the end of every step, their multipliers do no work
+        (Betsch & Steinmann 2002; Betsch & Leyendecker 2006).
+
+        Parameters
+        ----------
+        a, b
+            Names of its nodes.
+        axis
+            Its direction in the reference; turns with ``a``.
+        name
+            Its name; "joint1", "joint2", … by default.
+        options
+            ``at``: its place in the reference; that of ``b`` (of ``a`` on the ground) by default.
+            ``stiffness``, ``rest``: a spring, ½ stiffness (q − rest)²; moment per angle, and an angle.
+            ``damping``: moment per rate of q, in dynamics.
+            ``drive``: a moment that pushes q up, a number or a function of time (statics: times the load factor).
+            ``prescribed``: q, a number or a function of time (statics: of the load factor; a number ramps with it).
+            ``stops``: (lower, upper) angles, beyond which springs of ``stop_stiffness`` act, the change smooth over
+            ``stop_width``, a thousandth of the way between them by default.
+
+        Raises
+        ------
+        ModelError
+            A value cannot be right, two things act on q that exclude each other, or the name is taken. Joints that
+            hold what others or supports hold already are found when a run starts.
+        """
         return self._joint(name, "hinge", a, b, axis=axis, **options)
 
     def universal(
         self, a: str, b: str | None = None, *, axes: tuple[Vec, Vec], name: str | None = None, **options: Any
     ) -> Self:
         """A universal (Cardan) joint: its perpendicular ``axes`` stay so, the first on ``a``, the second on ``b``.
-        ``options``: at, stiffness, damping, see :class:`Joint`."""
+
+        ``options`` as for :meth:`spherical`; raises ModelError as :meth:`hinge`.
+        """
         try:
             first, second = axes
         except (TypeError, ValueError):
@@ -427,27 +541,36 @@ class Model:
 
     def cylindrical(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
         """``b`` slides along and turns about the line through the joint along ``axis``, which ``a`` carries.
-        ``options`` as for a hinge, on the displacement."""
+
+        ``options`` as for :meth:`hinge`, on the displacement along the axis: forces for moments, lengths for angles.
+        Raises ModelError as it does.
+        """
         return self._joint(name, "cylindrical", a, b, axis=axis, **options)
 
     def slider(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
-        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``. ``options`` as for a
-        hinge, on the displacement."""
+        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``.
+
+        ``options`` as for :meth:`cylindrical`; raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "slider", a, b, axis=axis, **options)
 
     def planar(self, a: str, b: str | None = None, *, normal: Vec, name: str | None = None, at: Any = None) -> Self:
-        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it."""
+        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it.
+
+        Nothing acts on its freedom but links and loads. Raises ModelError as :meth:`hinge`.
+        """
         return self._joint(name, "planar", a, b, axis=normal, at=at)
 
     def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
-        name = f"joint{len(self.joints) + 1}" if name is None else name
+        name = text(f"joint{len(self.joints) + 1}" if name is None else name, "name of a joint")
         if any(other.name == name for other in self.joints):
             raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
-        try:
-            joint = Joint(name, kind, a, b, **options)
-        except TypeError as error:
-            raise ModelError(f"joint {name!r}: {error}", "see dx.Joint for what a joint takes") from None
-        return replace(self, joints=(*self.joints, joint))
+        for key in options:
+            if key not in OPTIONS:
+                raise ModelError(
+                    f"joint {name!r}: there is no {key}=", f"{nearest(key, OPTIONS)}use {', '.join(OPTIONS)}"
+                )
+        return replace(self, joints=(*self.joints, Joint(name, kind, a, b, **options)))
 
     def _link_name(self, name: str | None) -> str:
         return f"link{len(self.links) + 1}" if name is None else name
@@ -477,7 +600,7 @@ class Model:
         ``meshed`` what takes a mesh is left out: whether parts can move although something holds them.
         """
         if not self.rods and not self.nodes:
-            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
+            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...), or a .node(...)")
         places = self._places()
         self._known(places)
         self._values()
@@ -559,15 +682,18 @@ class Model:
         about += [(f"link {k.name!r}", node) for k in self.links for node in (k.a, k.b) if isinstance(node, str)]
         about += [("body", body.node) for body in self.bodies]
         about += [(f"joint {joint.name!r}", node) for joint in self.joints for node in joint.nodes]
+        for tendon in self.tendons:
+            about += [(f"tendon {tendon.name!r}", n) for n in tendon.along if not isinstance(tendon.along, str)]
         for what, node in about:
             if node not in places:
                 raise ModelError(
                     f"there is no node {node!r} for the {what}",
                     f"{nearest(node, places)}nodes are {', '.join(places)}",
                 )
-        for load in self.loads:
-            if isinstance(load, Distributed):
-                self._rod(load.rod)
+        rods = [load.rod for load in self.loads if isinstance(load, (Distributed, Pressure))]
+        rods += [a.rod for a in self.actuations] + [d.rod for d in self.drags]
+        for name in (*rods, *(t.along for t in self.tendons if isinstance(t.along, str))):
+            self._rod(name)
         self._touching()
         if any(isinstance(load, Gravity) for load in self.loads) and not (
             self.bodies or any(r.section.A_rho for r in self.rods)
@@ -597,11 +723,19 @@ class Model:
                 if callable(given):
                     number(_called(given, f"{key} of joint {joint.name!r}"), f"{key} of joint {joint.name!r} at t = 0")
         for load in self.loads:
+            if isinstance(load, Pressure):
+                if callable(load.value):
+                    value_at(load.value, 1, f"the pressure on rod {load.rod!r}", 0.0)
+                continue
             place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):
                 vector(_called(value, what), f"{what} at t = 0")
+        for driven in (*self.drags, *self.tendons):
+            driven.at(0.0, 1.0)
+        for actuation in self.actuations:
+            actuation.at(0.0, 1.0, np.zeros(1))
 
     def _held(self) -> dict[str, set[str]]:
         """Held components of every node; refuses a component that is held twice."""

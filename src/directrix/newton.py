@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from directrix.checks import number
 from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
@@ -54,9 +56,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links and joints (6,), what was dissipated by
-    source, what joints do (joints, ≥ 6)."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), what joints do (joints, ≥ 6); by source
+    what was dissipated and the work done on elements; the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -64,8 +66,10 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
-    taken: Array
     joints: Array
+    taken: Array
+    done: Array
+    scale: Array
 
 
 class Newton:
@@ -97,6 +101,7 @@ class Newton:
         self.disc = disc
         self.tables, self.work = tables_for(disc, self.scheme), work_for(disc, self.scheme)
         self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         self._sparse: BlockSparse | None = None
         self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
 
@@ -114,10 +119,14 @@ class Newton:
             self._bring(near.around(r))
 
     def _bring(self, pairs: Pairs) -> None:
-        before = self.work
+        before, driven = self.work, self.tables.par
         self.pairs = pairs
         self._use(self.disc.touching(pairs, self.scheme))
         self.work.reaction[:], self.work.joints[:] = before.reaction, before.joints
+        # pairs come last: what drives the others is where it was
+        others = sum(not isinstance(g.element, PairElement) for g in self.disc.groups)
+        same = self.tables.head[others, PAR] if others < len(self.tables.head) else len(self.tables.par)
+        self.tables.par[:same] = driven[:same]
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
@@ -314,6 +323,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -341,11 +351,9 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work, n = self.work, self.disc.nodes
-        return Books(
-            self.totals, work.flow, self.strains, work.reaction[:n], work.applied[:n], work.ground, work.taken,
-            work.joints,
-        )  # fmt: skip
+        work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
+        applied, reaction = work.applied[:n], work.reaction[:n]
+        return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
@@ -354,7 +362,7 @@ class Newton:
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
-        self.work.taken[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 

@@ -132,6 +132,8 @@ class Walk:
             raise ModelError("start= is a motion, which has no load factor to go on from", "start from solve_static")
         factor = 0.0 if start is None else float(start.load_factor[-1])
         self.loads = self.disc.external(factor, factor)
+        self.newton.driver.place(factor, factor)
+        self.newton.driver.shift()
         self.acting = self.newton.applied(x, self.loads)
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.disc, self.books)
@@ -239,6 +241,7 @@ class Walk:
 
     def _book(self) -> None:
         newton, x = self.newton, self.point.x
+        newton.driver.place(self.point.factor, self.point.factor)
         before, self.acting = self.acting, newton.applied(x, self.loads)  # other states were tried since
         self.books = newton.finish(x, before)
         self.ledger.add(self.books, x[: self.disc.nodes, :3])

@@ -37,7 +37,8 @@ class Recorder:
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
 
-        ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated, by source.
+        ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated; by source
+        what was dissipated and the work.
         """
         n = len(r)
         rotations = [x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
@@ -76,15 +77,8 @@ class Recorder:
             Rdot=rates,
             reaction=reaction,
             strain=strain,
-            force=self.disc.section_force(strain),
-            energy=Energy(
-                totals[:, 1],
-                totals[:, 0],
-                scalars[:, 2],
-                scalars[:, 3],
-                scalars[:, 4],
-                dict(zip(self.disc.sources.names, scalars[:, 5:].T, strict=False)),
-            ),
+            force=self.disc.section_force(self._stressed(strain, scalars)),
+            energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
             status=status,
@@ -95,6 +89,24 @@ class Recorder:
             links=self.disc.link_states(r, rotation),
             contacts=self.disc.contact_states(r),
         )
+
+    def _energy(self, totals: Array, scalars: Array) -> Energy:
+        sources = self.disc.sources
+        work, prescribed, dissipated = scalars[:, 2:5].T
+        taken, done = (dict(zip(sources.names, a, strict=True)) for a in np.split(scalars[:, 5:].T, 2))
+        working = {name: a for name, a in done.items() if name in sources.working}
+        by_loads = work - prescribed - sum(working.values())
+        return Energy(
+            totals[:, 1], totals[:, 0], work, prescribed, dissipated,
+            {name: a for name, a in taken.items() if name in sources.lossy},
+            {"loads": by_loads, "supports": prescribed, **working},
+        )  # fmt: skip
+
+    def _stressed(self, strain: Array, scalars: Array) -> Array:
+        """The part of the strains (nt, stations, 6) that is stressed."""
+        if not self.disc.model.actuations:
+            return strain
+        return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
 
 
 def _version(name: str) -> str:

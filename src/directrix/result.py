@@ -137,7 +137,8 @@ class Energy:
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
     for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
-    every rod's section, numerical dissipation.
+    every rod's section, fluids, numerical dissipation; ``work_by_source`` is ``work`` by what did it: loads, supports,
+    actuation, tendons, fluids that flow.
     """
 
     kinetic: Array
@@ -146,6 +147,7 @@ class Energy:
     prescribed: Array
     dissipated: Array
     by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    work_by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:

@@ -191,7 +191,14 @@ class _System:
         if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
             refuse_rod_contacts(model, "small motions are about one system")
         self.scheme = AT_REST
-        self.disc: Discretisation = discretise(model if dynamic else _with_mass(model), self.scheme)
+        if not dynamic and (model.actuations or model.tendons):
+            raise ModelError(
+                "linearised buckling does not know what actuation and tendons do in first order",
+                "follow the path with solve_static and a control, and look at modes about its states",
+            )
+        disc = discretise(model if dynamic else _with_mass(model), self.scheme)
+        factor = 0.0 if about is None else float(about.load_factor[-1])
+        self.disc: Discretisation = disc.driven_at(factor, factor)
         if np.any(self.disc.external(1.0)[:, 6:]):
             raise ModelError("a load turns with its node, and the stiffness is not symmetric", "leave followers out")
         if model.joints:

@@ -151,6 +151,8 @@ class _LoadSteps:
     def begin(self, x: Array, start: Result | None) -> None:
         """Keep the first state."""
         self.x = x
+        self.newton.driver.place(0.0, 0.0)
+        self.newton.driver.shift()
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.newton.disc, self.books)
         self._keep()
@@ -167,6 +169,7 @@ class _LoadSteps:
             newton.begin(self.x)
             moved = place_supports(disc, self.x, factor)
             loads = disc.external(factor, factor)
+            newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
             self.recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:

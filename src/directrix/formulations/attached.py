@@ -15,7 +15,10 @@ from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub,
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
-__all__ = ["Attached", "AttachedLayout", "BodyElement", "LinkElement", "books", "discrete_ramp", "length", "ramp"]
+__all__ = [
+    "Attached", "AttachedLayout", "BodyElement", "LinkElement", "TendonElement", "books", "discrete_ramp", "length",
+    "ramp",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -52,14 +55,8 @@ class Attached:
 
 
 @dataclass(frozen=True)
-class LinkElement(Attached):
-    """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
-
-    With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
-    d½ = ½(d0 + d1), whose work is T Δℓ. Statics and schemes that balance at x1 take T at x1.
-    """
-
-    cable: bool = False
+class _Straight(Attached):
+    """What pulls along the line between two points; parameters begin with offsets (3, 3) or offset and place."""
 
     def _vectors(
         self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]
@@ -72,6 +69,55 @@ class LinkElement(Attached):
             after.append(p[3:6])
             before.append(p[3:6])
         return at, sub(after[1], after[0]), sub(before[1], before[0])
+
+    def _pull(
+        self, at: Sequence[rot.Node], p: Sequence[Scalar], force: Vector
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """``force`` from the first point to the second, as :meth:`Element.step` gives it."""
+        out: list[Scalar] = []
+        for k, n in enumerate(at):
+            on = force if k == 1 else scale(-1.0, force)
+            axes: Columns = [scale(0.5, add(u, v)) for u, v in zip(n.R, n.R0, strict=True)] if self.half else n.R
+            out += [*on, *cross(from_body(axes, p[3 * k : 3 * k + 3]), on)]
+        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+
+
+@dataclass(frozen=True)
+class TendonElement(_Straight):
+    """A segment of a tendon of given tension (an :class:`Element`); behind the offsets T at the start and the end.
+
+    The force 2T/(ℓ0 + ℓ1) d½ with T = ½(T0 + T1) does exactly the work −T Δℓ on what it pulls together.
+    """
+
+    def step(
+        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """See :class:`Element`."""
+        at, d1, d0 = self._vectors(x, layout, p)
+        if self.half:
+            return self._pull(at, p, scale(0.5 * (p[6] + p[7]) / (length(d0) + length(d1)), add(d0, d1)))
+        return self._pull(at, p, scale(p[7] / length(d1), d1))
+
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """See :class:`Element`: nothing is stored."""
+        nothing = 0.0 * p[6]
+        return books(layout, nothing, nothing, [nothing] * 3, [nothing] * 3)
+
+    def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """Nothing dissipated; the work −½(T0 + T1) Δℓ."""
+        _, d1, d0 = self._vectors(x, layout, p)
+        return [0.0 * p[6], 0.5 * (p[6] + p[7]) * (length(d0) - length(d1))]
+
+
+@dataclass(frozen=True)
+class LinkElement(_Straight):
+    """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
+
+    With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
+    d½ = ½(d0 + d1), whose work is T Δℓ. Statics and schemes that balance at x1 take T at x1.
+    """
+
+    cable: bool = False
 
     def _step(self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """Lengths at x0 and x1, tension of the step from its energy."""
@@ -96,13 +142,7 @@ class LinkElement(Attached):
         if self.half:
             tension = tension + p[8] * g[1] * (b - a)
         middle = scale(0.5, add(d0, d1)) if self.half else d1
-        force = scale(2.0 * tension / (a + b), middle)
-        out: list[Scalar] = []
-        for k, n in enumerate(at):
-            on = force if k == 1 else scale(-1.0, force)
-            axes: Columns = [scale(0.5, add(u, v)) for u, v in zip(n.R, n.R0, strict=True)] if self.half else n.R
-            out += [*on, *cross(from_body(axes, p[3 * k : 3 * k + 3]), on)]
-        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+        return self._pull(at, p, scale(2.0 * tension / (a + b), middle))
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""

@@ -10,6 +10,7 @@ from directrix.kernels.trace import Graph, Sym, cross, derivative
 
 __all__ = [
     "COMMON",
+    "FLOWS",
     "Committed",
     "Element",
     "Jointed",
@@ -22,6 +23,7 @@ __all__ = [
 ]
 
 COMMON = 8  # scalars that all elements of a run share
+FLOWS = 10  # values of what an element takes and brings in
 Recorded = tuple[Graph, list[Sym], list[int]]
 
 
@@ -59,7 +61,8 @@ class Lossy(Element, Protocol):
     """An element that dissipates by itself."""
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
-        """What it took in the step, one value."""
+        """What it took in the step; and if there is more: the work that is done on it from outside, force (3) and
+        moment about the origin (3) from outside, and for a second source what it took and its work."""
         ...
 
 
@@ -122,9 +125,10 @@ def record_audit(element: Element, layout: Layout) -> Recorded:
 
 
 def record_lost(element: Lossy, layout: Layout) -> Recorded:
-    """What an element dissipated in a step."""
+    """What an element dissipated in a step, and what came in from outside: FLOWS values."""
     graph, x, p, g = _inputs(element, layout)
-    return graph, element.lost(layout, x, p, g), [0]
+    out = [x[0].lift(value) for value in element.lost(layout, x, p, g)]
+    return graph, [*out, *[graph.const(0.0)] * (FLOWS - len(out))], list(range(FLOWS))
 
 
 def record_acts(element: Jointed, layout: Layout) -> Recorded:

@@ -6,6 +6,7 @@ history. ``external`` (n, 12) are forces and moments on the nodes, dead ones (6)
 """
 # pyright: basic, reportCallIssue=false
 
+from directrix.formulations.element import FLOWS
 from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
@@ -250,7 +251,9 @@ def commit(tables, work, x, g):
 
 @inner
 def lost(tables, work, x, g):
-    """Add what elements that dissipate by themselves took in the step to ``work.taken``, by source."""
+    """Add what elements took in the step to ``work.taken`` and what was done on them to ``work.done``, by source, and
+    the forces and moments on them from outside to ``work.ground``."""
+    stride = -(-FLOWS // LANES) * LANES
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         if head[LOST] == 0:
@@ -261,7 +264,14 @@ def lost(tables, work, x, g):
             places = head[AT] + block * LANES * (head[NN] + head[ROWS])
             call_kernel(head[LOST], x, tables.at, places, tables.par, parameters, g, work.out)
             for lane in range(count):
-                work.taken[tables.source[head[ELEMENT] + block * LANES + lane]] += work.out[lane * LANES]
+                at, e = lane * stride, head[ELEMENT] + block * LANES + lane
+                for k in range(2):
+                    source = tables.source[e, k]
+                    if source >= 0:
+                        work.taken[source] += work.out[at + 8 * k]
+                        work.done[source] += work.out[at + 8 * k + 1]
+                for i in range(6):
+                    work.ground[i] += work.out[at + 2 + i]
 
 
 @inner

@@ -47,6 +47,7 @@ __all__ = [
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
 PHASE, ITERATION, FROZEN, BLAME = range(4)
+ROUND_OFF = 1e-14
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
@@ -158,15 +159,15 @@ def carry(tables, work, x, g):
 @compiled
 def imbalance(nodes, work, mask, tolerance, floor, length):
     """Largest unbalanced force or moment over what is allowed, and its node; behind the ``nodes`` constraints, which
-    may be off by 1e-12 of the ``length`` of the model."""
+    may be off by 1e-12 of the ``length`` of the model. What rounds off where forces act on arms is always allowed."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(applied.shape[0]):
         for i in range(3):
             scale_f = max(scale_f, abs(applied[node, i]))
             scale_m = max(scale_m, abs(applied[node, 3 + i]))
-    allowed_f = max(tolerance * scale_f, floor[0])
-    allowed_m = max(tolerance * scale_m, floor[1])
+    allowed_f = max(tolerance * scale_f, floor[0], ROUND_OFF * scale_m / length)
+    allowed_m = max(tolerance * scale_m, floor[1], ROUND_OFF * scale_f * length)
     worst, at = 0.0, 0
     for node in range(applied.shape[0]):
         for i in range(6):
@@ -236,8 +237,8 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what was dissipated; ``work.taken`` has
-    the last by source, ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, what was dissipated and the work that was done
+    on elements; ``work.taken`` and ``work.done`` have these by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
     nodes = tables.nodes
@@ -272,8 +273,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
     work.taken[:] = 0.0
-    lost(tables, work, x, g)
+    work.done[:] = 0.0
     ground(tables, work, x, g)
+    lost(tables, work, x, g)
     driven, prescribed = acts(tables, work, x, g)
     done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
@@ -301,9 +303,10 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     books(tables, work, x, totals, strains)
     if damped:
         _dissipated(tables, work, strains)
-    work.flow[8] = 0.0
+    work.flow[8], work.flow[9] = 0.0, 0.0
     for source in range(work.taken.shape[0]):
         work.flow[8] += work.taken[source]
+        work.flow[9] += work.done[source]
 
 
 @inner

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation
 from directrix.formulations.element import (
+    FLOWS,
     Committed,
     Jointed,
     Lossy,
@@ -81,8 +82,9 @@ class Work(NamedTuple):
     back: Array
     flow: Array
     ground: Array
-    joints: Array
     taken: Array
+    done: Array
+    joints: Array
     common: Array
 
 
@@ -104,7 +106,9 @@ def _kernels(group: Group) -> tuple[int, ...]:
         kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
         if element.rows(layout)
         else 0,
-        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
+        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout))
+        if group.lossy or group.works
+        else 0,
         kernel_address(f"acts {about}", lambda: record_acts(cast(Jointed, element), layout)) if group.jointed else 0,
     )
 
@@ -173,14 +177,13 @@ def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
     sources, chi = disc.sources, scheme.common[2]
     matrices: list[Array] = []
     booked: list[Ints] = []
-    if np.any(sources.material >= 0):
+    if sources.material.max(initial=-1) >= 0:
         matrices.append(_at_stations(disc, 6, scheme.common[1]))
         booked.append(np.repeat(sources.material, [len(rod.stations) for rod in disc.mesh.rods]))
     if sources.numerical >= 0 and chi:
         matrices.append(_at_stations(disc, 1, 0.5 * chi))
         booked.append(np.full(disc.stations, sources.numerical))
-    parts = len(matrices)
-    shape = (parts, disc.stations)
+    shape = (len(matrices), disc.stations)
     return np.array(matrices).reshape(*shape, 6, 6), np.array(booked, np.int64).reshape(shape)
 
 
@@ -203,7 +206,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     n, rows = disc.rows, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, 10)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
     inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
@@ -220,11 +223,12 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
-        eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
+        eliminated=np.zeros((max(0, 6 * most - 12),) * 2),
         back=np.zeros((inside, 13)),
-        flow=np.zeros(9),
+        flow=np.zeros(10),
         ground=np.zeros(6),
-        joints=np.zeros((n - disc.nodes, 12)),
         taken=np.zeros(len(disc.sources.names)),
+        done=np.zeros(len(disc.sources.names)),
+        joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
     )

@@ -168,8 +168,13 @@ def load_case(path: str | PathLike[str]) -> Case:
         disc = case.check()
     except ModelError as error:
         build_model(tables, title, source, check_each=True)
-        # no entry is to blame alone: name the rod that is spoken of, or the analysis
-        spoken = [("rod", k) for k, rod in enumerate(tables.rod) if repr(rod.name) in error.what]
+        # no entry is to blame alone: name the rod, node or joint that is spoken of, or the analysis
+        spoken = [
+            (key, k)
+            for key in ("rod", "joint", "node")
+            for k, entry in enumerate(getattr(tables, key))
+            if repr(entry.name) in error.what
+        ]
         with placed(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",)):
             raise
     if tables.statics is not None and tables.statics.control is not None:

@@ -231,8 +231,11 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     for name in (*HISTORIES, "history", "joints"):
         _put(root, name, getattr(result, name))
     for key, named in (
-        ("links", result.links), ("contacts", result.contacts), ("dissipated_by_source", result.energy.by_source),
-    ):  # fmt: skip
+        ("links", result.links),
+        ("contacts", result.contacts),
+        ("dissipated_by_source", result.energy.by_source),
+        ("work_by_source", result.energy.work_by_source),
+    ):
         group = root.create_group(key)
         for k, (name, values) in enumerate(named.items()):
             _put(group, str(k), values)
@@ -240,7 +243,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
         for key in fields(value):
-            if key.name != "by_source":
+            if not key.name.endswith("by_source"):
                 _put(group, key.name, getattr(value, key.name))
 
     group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
@@ -284,6 +287,7 @@ def _read_result(root: Any) -> Result:
         energy=Energy(
             **{name: data[()] for name, data in root["energy"].items()},
             by_source=_read_named(root, "dissipated_by_source"),
+            work_by_source=_read_named(root, "work_by_source"),
         ),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),
