@@ -130,12 +130,14 @@ class DynamicBooks:
         self.work += flow[0] + flow[1] + flow[9]
         self.prescribed += flow[1]
         self.dissipated += flow[8]
-        self.taken += books.taken
-        self.done += books.done
-        self.given = max(self.given, -float(min(books.taken, default=0.0)))
+        if self.taken.size:
+            self.taken += books.taken
+            self.done += books.done
+            self.given = max(self.given, -float(books.taken.min()))
+            self.turnover[0] += np.abs(books.done).sum()
         self.impulse += self.dt * flow[2:8]
         self.turnover += (
-            abs(flow[0]) + abs(flow[1]) + np.abs(books.done).sum(),
+            abs(flow[0]) + abs(flow[1]),
             # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
             self.dt * max(np.linalg.norm(part) for part in (flow[2:5], books.ground[:3], books.reaction[:, :3])),
             self.dt * max(np.linalg.norm(part) for part in (flow[5:8], books.ground[3:])),

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Spread = Mapping[str, tuple[Ints, Array, Array]]
-"""Per rod its nodes, element by element, the length that each stands for, and directors."""
 Pairs = tuple[Ints, ...]
 """Per contact of rods the pairs in it, point · pieces + piece, in ascending order."""
 
@@ -41,10 +39,9 @@ def _group(element: ObstacleElement | PairElement, conn: Ints, parameters: Array
     count = len(conn)
     layout = AttachedLayout(conn.shape[1], 0, True, parameters=parameters.shape[1])
     nothing: Ints = np.zeros(count, np.int64)
-    on_ground = isinstance(element, ObstacleElement)
     return Group(
-        element, layout, conn, parameters, nothing, np.zeros((count, 0)), (touch.where,) * count, lossy=element.rough,
-        grounded=on_ground, condensed=on_ground, inside=inside,
+        element, layout, conn, parameters, nothing, np.zeros((count, 0)), (touch.where,) * count, element.rough,
+        grounded=isinstance(element, ObstacleElement), condensed=isinstance(element, ObstacleElement), inside=inside,
     )  # fmt: skip
 
 
@@ -58,7 +55,9 @@ def _rough(touch: Touch, scheme: Scheme) -> bool:
     return touch.friction > 0.0 and not scheme.static
 
 
-def obstacle_groups(model: Model, scheme: Scheme, spread: Spread, ends: Ints) -> tuple[Group, ...]:
+def obstacle_groups(
+    model: Model, scheme: Scheme, spread: Mapping[str, tuple[Ints, Array]], ends: Ints
+) -> tuple[Group, ...]:
     """Nodes of rods against surfaces; raises ModelError for what the scheme has no form for.
 
     ``spread`` has the nodes of every rod and the length that each stands for, ``ends`` the nodes that are no
@@ -74,7 +73,7 @@ def obstacle_groups(model: Model, scheme: Scheme, spread: Spread, ends: Ints) ->
             if contact.rods is not None and rod.name not in contact.rods:
                 continue
             found, back = np.unique(spread[rod.name][0], return_inverse=True)
-            length = np.bincount(back, spread[rod.name][1].ravel())
+            length = np.bincount(back, spread[rod.name][1])
             radius = contact.radius_of(rod.name, rod.section)
             row = [*contact.obstacle.row(), radius, 0.0, contact.width_of(radius), *contact.rubbing]
             table = np.tile(row, (len(found), 1))
@@ -291,11 +290,7 @@ def refuse_rod_contacts(model: Model, why: str, where: str = "") -> None:
 
 
 def contact_states(
-    contacts: Sequence[Contact],
-    model: Model,
-    spread: Spread,
-    near: Near | None,
-    r: Array,
+    contacts: Sequence[Contact], model: Model, spread: Mapping[str, tuple[Ints, Array]], near: Near | None, r: Array
 ) -> dict[str, Array]:
     """Smallest gap and sum of the normal forces (nt, 2) of every contact at the positions ``r`` (nt, n, 3)."""
     out: dict[str, Array] = {}
@@ -304,7 +299,7 @@ def contact_states(
         for rod in model.rods:
             if contact.rods is not None and rod.name not in contact.rods:
                 continue
-            nodes, length = spread[rod.name][0], spread[rod.name][1].ravel()
+            nodes, length = spread[rod.name]
             radius = contact.radius_of(rod.name, rod.section)
             here = contact.gap(r[:, nodes], radius)
             gap = np.minimum(gap, here.min(axis=1))

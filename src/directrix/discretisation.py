@@ -32,13 +32,12 @@ from directrix.groups import (
     lumped_at_nodes,
     mesh_rod,
     parameters_of,
-    refuse_driven,
-    routes_of,
 )
-from directrix.joint_groups import joint_groups, unused
+from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
+from directrix.routes import refuse_driven, routes_of
 from directrix.scheme import Scheme
 from directrix.section import Section
 from directrix.sources import Sources, sources_of
@@ -97,8 +96,8 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
-    spread: Mapping[str, tuple[Ints, Array, Array]]
-    """Nodes of every rod, element by element, the lengths that they stand for and their directors."""
+    spread: Mapping[str, tuple[Ints, Array]]
+    """Nodes of every rod, element by element, and the lengths that they stand for."""
     near: Near | None
     """Finds what rods may touch; the elements for it come and go."""
     sources: Sources
@@ -369,10 +368,11 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
     groups += joint_groups(model.joints, scheme, names, r0, carried)
-    if model.contacts:
-        ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
-        groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, spread, ends)), key=lambda g: not g.inside))
-    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
+    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+    lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
+    groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
+    joints = tuple(joint.name for joint in model.joints)
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
     idle = [names[name] for name in idle_rotations(model, scheme.static)]
@@ -389,7 +389,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
-        spread,
+        lengths,
         near_of(model, mesh, scheme),
         sources_of(model, groups, scheme),
         drives_of(model, groups, rods),

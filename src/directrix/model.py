@@ -168,11 +168,11 @@ class Model:
     velocities: tuple[Velocity | RigidVelocity, ...] = ()
     links: tuple[Link, ...] = ()
     bodies: tuple[Body, ...] = ()
-    contacts: tuple[Contact, ...] = ()
-    rod_contacts: tuple[RodContact, ...] = ()
     actuations: tuple[Actuation, ...] = ()
     drags: tuple[Drag, ...] = ()
     tendons: tuple[Tendon, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    rod_contacts: tuple[RodContact, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
 

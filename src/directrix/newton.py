@@ -119,14 +119,11 @@ class Newton:
             self._bring(near.around(r))
 
     def _bring(self, pairs: Pairs) -> None:
-        before, driven = self.work, self.tables.par
+        before, driver = self.work, self.driver
         self.pairs = pairs
         self._use(self.disc.touching(pairs, self.scheme))
         self.work.reaction[:], self.work.joints[:] = before.reaction, before.joints
-        # pairs come last: what drives the others is where it was
-        others = sum(not isinstance(g.element, PairElement) for g in self.disc.groups)
-        same = self.tables.head[others, PAR] if others < len(self.tables.head) else len(self.tables.par)
-        self.tables.par[:same] = driven[:same]
+        self.driver.follow(driver)
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.

@@ -117,9 +117,6 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     for key in ("spring", "cable", "dashpot", "point_mass", "rigid_body"):
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
-    for key in ("contact", "self_contact", "contact_between"):
-        for k, table in enumerate(getattr(tables, key)):
-            yield (key, k), partial(_touch, key, table)
     for k, actuated in enumerate(tables.actuate):
         yield ("actuate", k), partial(_actuate, actuated)
     for k, tendon in enumerate(tables.tendon):
@@ -128,6 +125,9 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         yield ("drag", k), partial(_drag, dragged)
     for k, joint in enumerate(tables.joint):
         yield ("joint", k), partial(_joint, joint)
+    for key in ("contact", "self_contact", "contact_between"):
+        for k, table in enumerate(getattr(tables, key)):
+            yield (key, k), partial(_touch, key, table)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -255,14 +255,6 @@ def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
     return getattr(model, kind)(**given)
 
 
-def _touch(kind: str, table: m.Touch, model: Model) -> Model:
-    given = dict(_given(table))
-    if isinstance(table, m.Contact):
-        surface = {"plane": Plane, "sphere": Sphere, "cylinder": Cylinder}[table.obstacle.kind]
-        given["obstacle"] = surface(**_given(table.obstacle))
-    return getattr(model, kind)(**given)
-
-
 def _node(node: j.Node, model: Model) -> Model:
     return model.node(node.name, node.at)
 
@@ -278,6 +270,14 @@ def _joint(joint: j.AnyJoint, model: Model) -> Model:
             if value is not None:
                 given[key] = value
     return getattr(model, joint.kind)(**given)
+
+
+def _touch(kind: str, table: m.Touch, model: Model) -> Model:
+    given = dict(_given(table))
+    if isinstance(table, m.Contact):
+        surface = {"plane": Plane, "sphere": Sphere, "cylinder": Cylinder}[table.obstacle.kind]
+        given["obstacle"] = surface(**_given(table.obstacle))
+    return getattr(model, kind)(**given)
 
 
 def _velocity(start: m.Velocity, model: Model) -> Model:
