@@ -129,8 +129,8 @@ class DynamicBooks:
     def add(self, books: Books) -> None:
         """Book one step."""
         # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
-        force = max(np.linalg.norm(part) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
-        moment = max(np.linalg.norm(part) for part in (books.flow[5:8], books.ground[3:]))
+        force = max(float(np.linalg.norm(part)) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
+        moment = max(float(np.linalg.norm(part)) for part in (books.flow[5:8], books.ground[3:]))
         self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]))
         if self.taken.size:
             self.taken += books.taken
