@@ -230,8 +230,19 @@ def test_rods_that_hit_in_flight(order: int, friction: float) -> None:
     both = result.contact("both")
     assert both.gap.min() < 0.0 and both.force.max() > 10.0 and np.isinf(both.gap[0])
     assert closes(result) and (result.energy.dissipated[-1] > 1e-4) == (friction > 0.0)
+    assert list(result.energy.by_source) == (["contact 'both'"] if friction else [])
     for momentum in (result.momentum.linear, result.momentum.angular):
         assert np.abs(momentum - momentum[0]).max() <= 1e-11 * np.abs(momentum).max()
+
+
+def test_what_drives_a_rod_goes_on_while_pairs_come_and_go() -> None:
+    """A rod that curls by itself hits another, over a floor: the ledger closes, work and loss are booked by name."""
+    model = crossing(2, friction=0.2, slip_speed=0.01).actuate("a", curvature=lambda t: (0.0, 500.0 * t * t))
+    model = model.contact(dx.Plane((0, 0, -0.03), (0, 0, 1)), stiffness=1e5, name="floor", rods="b")
+    result = dx.simulate(model, t_end=0.1, dt=0.001)
+    assert closes(result) and result.contact("both").gap.min() < 0.0
+    assert set(result.energy.by_source) == {"contact 'both'"} and result.energy.dissipated[-1] > 1e-3
+    assert result.energy.work_by_source["actuation of rod 'a'"][-1] > 1.0
 
 
 def test_other_steps_carry_an_impact_too() -> None:

@@ -33,7 +33,7 @@ from directrix.groups import (
     mesh_rod,
     parameters_of,
 )
-from directrix.joint_groups import joint_groups, unused
+from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
@@ -387,7 +387,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
     lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
     groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
-    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
+    joints = tuple(joint.name for joint in model.joints)
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
     idle = [names[name] for name in idle_rotations(model, scheme.static)]

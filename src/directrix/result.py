@@ -57,7 +57,9 @@ class Mesh:
     """The discretised model as a result needs it: names and places, no mechanics.
 
     ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
-    ``notes`` are sentences about what meshing changed, ``joints`` their names.
+    ``notes`` are sentences about what meshing changed. ``joints`` are the joints' names, ``joint_nodes`` (joints, 2)
+    the nodes of their base and of what moves, −1 for the ground, and ``joint_arms`` (joints, 2, 3) the way from these
+    nodes to the joint in the reference; on the ground its place.
     """
 
     rods: tuple[RodMesh, ...]
@@ -65,6 +67,16 @@ class Mesh:
     r0: Array
     notes: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
+    joint_nodes: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    joint_arms: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
+
+    @cached_property
+    def loose(self) -> NDArray[np.int64]:
+        """Indices of the nodes that are on no rod."""
+        on = np.zeros(len(self.r0), bool)
+        for rod in self.rods:
+            on[rod.nodes] = True
+        return np.flatnonzero(~on)
 
     def rod(self, name: str) -> RodMesh:
         """The rod called ``name``; raises ModelError with the names there are."""
@@ -345,6 +357,15 @@ class Result:
             raise ModelError(f"there is no joint {name!r}", f"joints: {', '.join(self.mesh.joints) or 'none'}")
         k = self.mesh.joints.index(name)
         return JointHistory(self.joints[:, k, :3], self.joints[:, k, 3:], self.history[:, k, 6])
+
+    def joint_ends(self, at: int) -> Array:
+        """At saved instant ``at``, of every joint's base and of what it moves (joints, 2, 2, 3): the node, and the
+        point that it carries there; on the ground both are the place of the joint."""
+        nodes, arms = self.mesh.joint_nodes, self.mesh.joint_arms
+        ground = nodes < 0
+        foot = np.where(ground[..., None], arms, self.r[at, nodes])
+        turned = np.einsum("jeik,jek->jei", self.R[at, nodes], arms)
+        return np.stack([foot, foot + np.where(ground[..., None], 0.0, turned)], axis=2)
 
     def directors(self, name: str) -> Array:
         """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""
