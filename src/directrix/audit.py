@@ -140,9 +140,8 @@ class DynamicBooks:
         self.turn.add(books.totals)
 
     def add_steps(self, totals: Array, flow: Array, acting: Array) -> None:
-        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in
-        :class:`Books`, ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not
-        they cancel.
+        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in ``Books``,
+        ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """

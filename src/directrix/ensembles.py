@@ -145,7 +145,7 @@ def ensemble(
 
 
 def _labelled(members: Sequence[Any] | Mapping[Hashable, Any], build: Build | None) -> list[tuple[Hashable, Any]]:
-    given = cast("object", members)
+    given: Any = members
     pairs: list[tuple[Hashable, Any]]
     if isinstance(given, Mapping):
         pairs = list(cast("Mapping[Hashable, Any]", given).items())
