@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
@@ -55,6 +56,7 @@ __all__ = [
     "TurningPoint",
     "arc",
     "buckling",
+    "continuation",
     "helix",
     "laws",
     "line",
@@ -68,6 +70,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "continuation": ("continuation",),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),

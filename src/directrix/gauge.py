@@ -31,10 +31,10 @@ class Along:
         """How much of the run is done."""
         return steps / self.most
 
-    def share_of(self, reach: float, slope: float) -> float:
-        """The part of a step after which the load factor, at its slope, has changed as much as it may."""
+    def load_step(self, reach: float, slope: float) -> float:
+        """The change of the load factor to try next, 0 where the step along the path is the smaller one."""
         most = self.control.load_step
-        return 1.0 if most is None else min(1.0, most / max(abs(slope) * reach, 1e-300))
+        return most if most is not None and abs(slope) * reach > most else 0.0
 
     def rate(self, tangent: Array) -> float:
         """How fast the measure grows along the unit tangent."""
@@ -95,8 +95,8 @@ class Towards:
     def left(self) -> float:
         return self.whole - self.done if self.done < self.whole * (1.0 - 1e-12) else 0.0
 
-    def share_of(self, reach: float, slope: float) -> float:
-        return 1.0
+    def load_step(self, reach: float, slope: float) -> float:
+        return 0.0
 
     def rate(self, tangent: Array) -> float:
         return self.sense * float(tangent[self.place])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
 from directrix.bordered import Bordered, dot, normal_to, travelled
-from directrix.controls import ArcLength, Control, Snapshot
+from directrix.controls import SMALLEST, ArcLength, Control, Snapshot
 from directrix.critical import CriticalPoint, Kind, PathStability
 from directrix.errors import ModelError
 from directrix.gauge import Gauge, gauge_for
@@ -19,7 +19,6 @@ from directrix.newton import Newton
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status, TurningPoint
 from directrix.rotations import log
-from directrix.state import place_supports
 from directrix.watch import Crossing, Settled, Watch
 
 Array = NDArray[np.float64]
@@ -41,7 +40,7 @@ TOO_SHORT = 1e-6  # of a step: an event that near to its start is the start
 
 
 class Point(NamedTuple):
-    """An equilibrium: state, load factor, unit tangent (n, 6) onward and dλ/ds along it."""
+    """An equilibrium: state, load factor, unit tangent (n, 6) onward and dλ/ds along it (±∞ where nothing moves)."""
 
     x: Array
     factor: float
@@ -64,24 +63,29 @@ class _LostError(ArithmeticError):
         self.status, self.iterations = status, iterations
 
 
-def settle(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> tuple[Array, float, int]:
+def settle(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> tuple[Array, float, int]:
     """From one equilibrium to the next: predicted along the tangent, corrected in the gauge's plane.
 
-    State, load factor and iterations. Raises _LostError when that fails.
+    Without a gauge ``reach`` is a change of the load factor. State, load factor and iterations. Raises _LostError when
+    that fails.
     """
-    x, rate = at.x.copy(), gauge.rate(at.tangent)
-    far = reach / max(rate, 1e-12)
+    x = at.x.copy()
+    far = reach / (abs(at.slope) if gauge is None else max(gauge.rate(at.tangent), 1e-12))
     limit, cayley = bordered.newton.options[4], bordered.newton.options[6] > 0.0
     _, turned, _ = kernel.move(far * at.tangent, x, False, cayley, limit)
-    factor = float(at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300)))
-    place_supports(bordered.disc, x, factor)
-    factor, iterations, status = bordered.correct(x, factor, gauge.row(at.tangent, reach))
+    row = None if gauge is None else gauge.row(at.tangent, reach)
+    if gauge is None:
+        factor = at.factor + float(np.copysign(reach, at.slope))
+    else:
+        factor = float(at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300)))
+    bordered.newton.place(x, factor)
+    factor, iterations, status = bordered.correct(x, factor, row)
     if status is not None:
         raise _LostError(status, iterations)
     return x, factor, iterations
 
 
-def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial:
+def try_step(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> Trial:
     """:func:`settle`, and where the path goes on from there.
 
     Raises _LostError also when the path turns too much on the way to be sure it is the same path.
@@ -91,8 +95,10 @@ def try_step(bordered: Bordered, gauge: Gauge, at: Point, reach: float) -> Trial
     if isinstance(found, Status):
         raise _LostError(found, iterations)
     along = dot(found[0], at.tangent, bordered.length)
+    if np.isinf(at.slope) or np.isinf(found[1]):  # nothing moves at one end: only the load factor tells the sense
+        along = float(np.sign(at.slope))
     tangent = np.copysign(1.0, along) * found[0]
-    if abs(along) < STRAIGHT or gauge.rate(tangent) <= 0.0:
+    if abs(along) < STRAIGHT or (gauge is not None and gauge.rate(tangent) <= 0.0):
         raise _LostError(SHARP, iterations)
     return Trial(Point(x, factor, tangent, float(np.copysign(found[1], along))), reach, iterations)
 
@@ -138,6 +144,7 @@ class Walk:
         self.counts: list[int] = []  # negative pivots of the saved states, and what they are at the point
         self.inside = 0
         self.turns = list(control.turns) if isinstance(control, ArcLength) else []
+        self.by: Gauge | None = None  # what measures the step that is tried; the load factor without one
         self.met = 0  # bifurcations since the start, or since the last branch was taken
         self.arc, self.steps, self.cuts, self.parts, self.kept = 0.0, 0, 0, 0, True
 
@@ -151,30 +158,31 @@ class Walk:
         if start is not None and start.kind != "static":
             raise ModelError("start= is a motion, which has no load factor to go on from", "start from solve_static")
         factor = 0.0 if start is None else float(start.load_factor[-1])
-        self.loads = self.disc.external(factor, factor)
+        self.loads = self.newton.loads(factor)
         self.acting = self.newton.applied(x, self.loads)
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.disc, self.books)
         self.point = Point(x.copy(), factor, np.zeros((self.disc.nodes, 6)), 0.0)
-        outcome = self.newton.solve(x, self.loads, place_supports(self.disc, x, factor))
+        outcome = self.newton.solve(x, self.loads, self.newton.place(x, factor))
         found = outcome.status or self.bordered.tangent(x, factor, at_limit=start is not None)
         if isinstance(found, Status):
             self._keep()
             sentence = f"there is no equilibrium to start from at load factor {factor:.6g}: {found.sentence}"
             return Status(found.code, sentence, HELD_UP if np.any(self.loads) else found.advice)
         tangent, slope = found
-        if not np.isfinite(slope):
+        self.gauge = gauge_for(self.control, self.bordered, x)
+        if not np.isfinite(slope) and not self.gauge.load_step(1.0, slope):
             raise ModelError(
                 f"nothing moves with the load factor, at {factor:.6g}",
-                "give a load that is neither constant nor on a support, nor a function that begins flat",
+                "give a load that is neither constant nor on a support, nor a function that begins flat; if that is "
+                "meant, ArcLength(load_step=…) follows such a path",
             )
-        self.gauge = gauge_for(self.control, self.bordered, x)
         sense = self.gauge.orient(tangent, _onward(start))
         self.point = Point(x, factor, sense * tangent, sense * slope)
         self.gauge.walk(0.0, self.point.tangent)
         self.rising = sense
         if self.watch is not None:
-            self.inside = self.watch.count = self.watch.pivots(x)
+            self.inside = self.watch.count = self.watch.pivots(x, factor)
         if start is None:
             self.acting[:] = 0.0
         self._book()
@@ -187,23 +195,25 @@ class Walk:
 
     def go(self, progress: Progress) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
-        gauge, reach = self.gauge, self.gauge.first
+        gauge, reach, share = self.gauge, self.gauge.first, 1.0
         while gauge.left > 0.0:
             if self.steps >= gauge.most:
                 return self._out_of_steps()
-            share = gauge.share_of(reach, self.point.slope)
-            wish, part = gauge.goal(share * reach)
+            steer = gauge.load_step(reach, self.point.slope)
+            self.by = None if steer else gauge
+            wish, part = (share * steer, True) if steer else gauge.goal(reach)
             try:
-                whole = try_step(self.bordered, gauge, self.point, wish)
+                whole = try_step(self.bordered, self.by, self.point, wish)
                 trial, turned = self._first_event(whole)
                 crossings = self._crossings(trial, turned)
             except _LostError as lost:
                 self.recorder.iterations.append(lost.iterations)
-                reach, self.cuts = 0.5 * wish, self.cuts + 1
-                if reach < share * gauge.smallest:
+                self.cuts += 1
+                reach, share = (reach, 0.5 * share) if steer else (0.5 * wish, share)
+                if reach < gauge.smallest or share < SMALLEST:
                     return self._stuck(gauge.blame(self.point.tangent) or lost.status)
                 continue
-            reach = gauge.after(wish, whole.iterations)
+            reach, share = (reach, min(1.0, 2.0 * share)) if steer else (gauge.after(wish, whole.iterations), share)
             leaving = self._pass(crossings)
             if leaving is None:
                 if crossings:
@@ -232,10 +242,10 @@ class Walk:
         if turned:
             end = self._settled(BEFORE_LIMIT * trial.reach)
         start = Settled(0.0, self.point.x, self.point.factor)
-        return self.watch.between(start, end, self._settled, self.watch.pivots(end.x))
+        return self.watch.between(start, end, self._settled, self.watch.pivots(end.x, end.factor))
 
     def _settled(self, reach: float) -> Settled:
-        x, factor, _ = settle(self.bordered, self.gauge, self.point, reach)
+        x, factor, _ = settle(self.bordered, self.by, self.point, reach)
         return Settled(reach, x, factor)
 
     def _pass(self, crossings: list[Crossing]) -> tuple[Crossing, int] | None:
@@ -272,7 +282,7 @@ class Walk:
                 self.turns, self.met = self.turns[1:], 0
                 self.rising = float(np.copysign(1.0, trial.to.slope))
                 if self.watch is not None:
-                    self.watch.count = self.watch.pivots(trial.to.x)
+                    self.watch.count = self.watch.pivots(trial.to.x, trial.to.factor)
                 self._take(trial, True, False)
                 return trial
             reach, self.cuts = 0.5 * reach, self.cuts + 1
@@ -285,7 +295,7 @@ class Walk:
         bordered, x = self.bordered, self.point.x.copy()
         limit, cayley = self.newton.options[4], self.newton.options[6] > 0.0
         kernel.move(reach * across, x, False, cayley, limit)
-        place_supports(self.disc, x, self.point.factor)
+        self.newton.place(x, self.point.factor)
         factor, iterations, status = bordered.correct(x, self.point.factor, normal_to(across, reach, bordered.length))
         self.recorder.iterations.append(iterations)
         found = status or bordered.tangent(x, factor)
@@ -308,7 +318,7 @@ class Walk:
         """The step up to the first limit point or load factor asked for on it, and whether that is a limit point."""
 
         def step(reach: float) -> Trial:
-            return try_step(self.bordered, self.gauge, self.point, reach)
+            return try_step(self.bordered, self.by, self.point, reach)
 
         trial, turned, at = whole, False, self.point
         if whole.to.slope * self.rising < 0.0:
@@ -355,14 +365,14 @@ class Walk:
         """What the stiffness says of a limit point: one eigenvalue vanishes, and changes its sign."""
         watch, x = self.watch, self.point.x
         assert watch is not None
-        before, (inside, modes) = watch.count, watch.singular(x)
+        before, (inside, modes) = watch.count, watch.singular(x, self.point.factor)
         watch.count = inside + 1 if before == inside else inside
         return Crossing(Settled(0.0, x, self.point.factor), before, inside, watch.count, modes)
 
     def _arrive(self) -> None:
         """Book the way to the point."""
         self.arc += travelled(self.point.x, self.disc.nodes, self.bordered.length)
-        self.loads = self.disc.external(self.point.factor, self.point.factor)
+        self.loads = self.newton.loads(self.point.factor)
         self._book()
 
     def _book(self) -> None:

@@ -30,7 +30,7 @@ from directrix.watch import Watch
 
 Array = NDArray[np.float64]
 
-__all__ = ["solve_static"]
+__all__ = ["PATIENCE", "solve_static", "static_scheme", "watch_for"]
 
 PATIENCE = 20  # Newton iterations of a step along a path: it is cheaper to cut it
 
@@ -114,7 +114,7 @@ def solve_static(
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
     recorder = Recorder(disc, "static")
-    watch, unread = _watch(newton, stability, control)
+    watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
         run = _LoadSteps(newton, recorder, steps or 10, save_every, watch)
@@ -212,7 +212,7 @@ class _LoadSteps:
         return None if self.watch is None else PathStability(counts, np.zeros(len(counts), bool))
 
 
-def _watch(newton: Newton, wanted: bool | None, control: Control | None) -> tuple[Watch | None, str]:
+def watch_for(newton: Newton, wanted: bool | None, control: Control | None) -> tuple[Watch | None, str]:
     """What looks at stability, or why that cannot be read. Raises ModelError when it is asked for and cannot."""
     if wanted is not None:
         flag(wanted, "stability")

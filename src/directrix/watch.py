@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
 
 from directrix.bordered import dot
 from directrix.hessian import Hessian, largest_entry, nearest_zero, negative_pivots
@@ -51,17 +52,23 @@ class Watch:
     """``count`` is the number of negative pivots just behind the state that the walk has reached."""
 
     def __init__(self, newton: Newton, length: float) -> None:
-        self.length, self.nodes = length, newton.disc.nodes
+        self.newton, self.length = newton, length
         self.hessian = Hessian(newton, length)
         self.count = 0
 
-    def pivots(self, x: Array) -> int:
-        """Negative pivots at a state."""
-        return negative_pivots(self.hessian.matrix(x))
+    def matrix(self, x: Array, factor: float) -> csc_matrix:
+        """The stiffness at a state."""
+        if self.newton.family is not None:
+            self.newton.loads(factor)
+        return self.hessian.matrix(x)
 
-    def singular(self, x: Array) -> tuple[int, Array]:
+    def pivots(self, x: Array, factor: float = 0.0) -> int:
+        """Negative pivots at a state."""
+        return negative_pivots(self.matrix(x, factor))
+
+    def singular(self, x: Array, factor: float) -> tuple[int, Array]:
         """At a state where one eigenvalue vanishes: negative ones beside it, and its mode (1, n, 6)."""
-        matrix = self.hessian.matrix(x)
+        matrix = self.matrix(x, factor)
         found = nearest_zero(matrix, 3)
         sizes = np.abs(found.values)
         k, gap = int(np.argmin(sizes)), 0.5 * float(np.sort(sizes)[min(1, len(sizes) - 1)])
@@ -116,7 +123,7 @@ class Watch:
 
     def _probe(self, at: Settled, number: int, count: int | None = None) -> _Probe:
         """The eigenvalue that is ``number``-th from below."""
-        matrix = self.hessian.matrix(at.x)
+        matrix = self.matrix(at.x, at.factor)
         negative = negative_pivots(matrix) if count is None else count
         values = nearest_zero(matrix, abs(negative - number) + 3).values
         below, above = values[values < 0.0][::-1], values[values >= 0.0]
@@ -126,7 +133,7 @@ class Watch:
         return _Probe(at, value)
 
     def _crossing(self, best: _Probe, tried: list[_Probe], count: int, after: int, size: float) -> Crossing:
-        matrix = self.hessian.matrix(best.at.x)
+        matrix = self.matrix(best.at.x, best.at.factor)
         found = nearest_zero(matrix, abs(after - count) + 2)
         small = max(VANISHES * size, 3.0 * abs(best.value), NOISE * largest_entry(matrix))
         near = np.argsort(np.abs(found.values))[: abs(after - count)]
