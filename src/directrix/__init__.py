@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.branching import branches
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
@@ -55,6 +56,7 @@ __all__ = [
     "Status",
     "TurningPoint",
     "arc",
+    "branches",
     "buckling",
     "continuation",
     "helix",
@@ -70,6 +72,7 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "branching": ("branches",),
     "continuation": ("continuation",),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
