@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
+    from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.integrators import (
         EnergyDissipating,
@@ -59,6 +60,7 @@ __all__ = [
     "branches",
     "buckling",
     "continuation",
+    "form_find",
     "helix",
     "laws",
     "line",
@@ -78,6 +80,7 @@ _HOME = {
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
+    "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
     "integrators": (
         "EnergyDissipating",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import splu
 
 from directrix.kernels.elements import element_tangents
 from directrix.kernels.tables import Tables
@@ -23,6 +23,7 @@ Ints = NDArray[np.int64]
 __all__ = ["Hessian", "NearZero", "largest_entry", "nearest_zero", "negative_pivots", "not_conservative"]
 
 SMALL = 40  # unknowns up to which a matrix is treated as full
+MORE, ROUNDS, SETTLED = 5, 60, 1e-11  # of inverse iteration: more vectors than asked for, rounds, relative change
 ROUND_OFF = 1e-14  # of the largest entry: what a pivot has to be to have a sign
 
 
@@ -120,24 +121,36 @@ def nearest_zero(matrix: csc_matrix, count: int) -> NearZero:
     """The ``count`` eigenvalues of a symmetric matrix that are nearest to zero."""
     n = matrix.shape[0]
     count = min(count, n)
-    if n <= SMALL or count > n // 2:
+    if n <= SMALL or 2 * count + MORE > n:
         values, vectors = eigh(matrix.toarray())
     else:
-        size = largest_entry(matrix)
-        factor: Any = None
-        for shift in (0.0, ROUND_OFF, 1e2 * ROUND_OFF):
-            try:
-                factor = splu(_shifted(matrix, shift * size))
-                break
-            except RuntimeError:  # exactly singular
-                continue
-        operator: Any = LinearOperator
-        inverse = operator((n, n), matvec=factor.solve, dtype=float)
-        start = np.random.default_rng(0).standard_normal(n)  # the same run gives the same digits
-        values, vectors = cast("tuple[Array, Array]", eigsh(matrix, count, sigma=0.0, OPinv=inverse, v0=start))
+        values, vectors = _by_inverse(matrix, count)
     near = np.argsort(np.abs(values))[:count]
     order = near[np.argsort(values[near])]
     return NearZero(values[order], vectors[:, order])
+
+
+def _by_inverse(matrix: csc_matrix, count: int) -> tuple[Array, Array]:
+    """Inverse iteration with a block, which also sees eigenvalues that are equal."""
+    size, factor = largest_entry(matrix), cast("Any", None)
+    for shift in (0.0, ROUND_OFF, 1e2 * ROUND_OFF):
+        try:
+            factor = splu(_shifted(matrix, shift * size))
+            break
+        except RuntimeError:  # exactly singular
+            continue
+    # the same run gives the same digits
+    block = np.random.default_rng(0).standard_normal((matrix.shape[0], count + MORE))
+    before, values = np.zeros(count), np.zeros(0)
+    for _ in range(ROUNDS):
+        block = np.linalg.qr(factor.solve(block))[0]
+        values, turn = eigh(block.T @ (matrix @ block))
+        block = block @ turn
+        found = np.sort(np.abs(values))[:count]
+        if np.all(np.abs(found - before) <= SETTLED * found + 1e-17 * size):
+            break
+        before = found
+    return values, block
 
 
 def largest_entry(matrix: csc_matrix) -> float:

@@ -100,6 +100,7 @@ class Watch:
         if a.value * b.value > 0.0:  # the start is a critical point itself, and its own eigenvalue is next to zero
             a, tried = _Probe(low, -a.value), [b]
         size = max(abs(a.value), abs(b.value))
+        small = max(FOUND * size, NOISE * largest_entry(self.matrix(high.x, high.factor)))
         weight, best = a.value, min(tried, key=lambda p: abs(p.value))
         for _ in range(50):
             reach = b.at.reach - b.value * (b.at.reach - a.at.reach) / (b.value - weight)
@@ -111,7 +112,7 @@ class Watch:
                 break
             tried.append(probe)
             best = min((best, probe), key=lambda p: abs(p.value))
-            if abs(probe.value) <= FOUND * size:
+            if abs(probe.value) <= small:
                 break
             if probe.value * b.value < 0.0:
                 a, weight = b, b.value

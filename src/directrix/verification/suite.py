@@ -11,6 +11,7 @@ from directrix.checks import nearest
 from directrix.errors import ConvergenceError, ModelError
 from directrix.verification import (
     bend45,
+    branching,
     cantilevers,
     elastica,
     elbow,
@@ -34,7 +35,7 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
     roll_up, elastica, follower, bend45, cantilevers, helix,
-    hinged_frame, vibration_and_buckling, elbow, spaghetti, spin_up,
+    hinged_frame, vibration_and_buckling, branching, elbow, spaghetti, spin_up,
 )  # fmt: skip
 CASES: tuple[Case, ...] = tuple(case for module in MODULES for case in module.CASES)
 

@@ -1,0 +1,179 @@
+"""Form finding: an equilibrium from a start that is slack or far out of balance.
+
+Implicit dynamic relaxation: the model creeps through a viscous fluid towards lower energy, (K + D/τ) Δ = F − F_int
+with D the size of the stiffness at each unknown. The pseudo-time step τ grows while the potential energy falls, and
+without a fluid, τ → ∞, this is Newton's iteration, which ends the search. As energy only falls, the way leads to a
+stable equilibrium, whatever the start.
+"""
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, diags
+from scipy.sparse.linalg import splu
+
+from directrix.audit import StaticBooks
+from directrix.checks import reporting, whole
+from directrix.critical import PathStability
+from directrix.discretisation import discretise
+from directrix.errors import ConvergenceError, ModelError
+from directrix.hessian import Hessian, not_conservative
+from directrix.kernels import step as kernel
+from directrix.model import Model
+from directrix.newton import Newton, Settings
+from directrix.recorder import Progress, Recorder
+from directrix.result import Result, Status, turn_length
+from directrix.state import initial_state, place_supports
+from directrix.statics import static_scheme, watch_for
+
+Array = NDArray[np.float64]
+
+__all__ = ["form_find"]
+
+FIRST, LAST = 1e-2, 1e12  # pseudo-time steps: the first one, and the one that is Newton's
+GROWTH, CUT = 4.0, 0.25
+LARGEST_TURN = 0.3  # rad in an iteration
+NEAR = 1e-3  # of the first imbalance: here the iteration of a step along a path takes over
+ROUND_OFF = 1e-13  # of the energies in the sum: a smaller rise is none
+
+
+def form_find(
+    model: Model,
+    *,
+    start: Result | None = None,
+    iterations: int = 2000,
+    tolerance: float = 1e-9,
+    progress: Progress | None = None,
+    raise_on_failure: bool = False,
+) -> Result:
+    """The stable equilibrium that the model falls into under its whole loads and prescribed values, all at once.
+
+    For cables that hang, nets that are pulled tight, and other shapes that a straight or slack start is far from.
+
+    Parameters
+    ----------
+    model
+        Rods, cables, springs, supports and loads; prescribed values at load factor 1. Loads need a potential.
+    start
+        Begin at the last state of this result instead of the reference.
+    iterations
+        Most iterations of the relaxation.
+    tolerance
+        Unbalanced over largest element force at which the state is accepted (never below round-off).
+    progress
+        Called after each iteration with the fraction done and a line of text.
+    raise_on_failure
+        Raise ConvergenceError instead of returning a Result with ``success`` False.
+
+    Returns
+    -------
+    Result
+        Two states, the start and the equilibrium, both at load factor 1, with their stability; ``start=`` of later
+        runs. ``info["relaxation"]`` counts the iterations before Newton's.
+
+    Raises
+    ------
+    ModelError
+        The model or an argument cannot be right, or a load has no potential.
+    """
+    iterations = whole(iterations, "iterations", 1, 10**9)
+    scheme = static_scheme(model, None)
+    disc = discretise(model, scheme)
+    newton = Newton(disc, scheme, Settings(tolerance))
+    why = not_conservative(newton)
+    if why:
+        raise ModelError(f"there is no energy to fall: {why}", "use solve_static for such loads")
+    x = initial_state(disc, start, scheme)
+    place_supports(disc, x, 1.0)
+    x[: disc.nodes, 12:15], x[: disc.nodes, 15:24] = 0.0, x[: disc.nodes, 3:12]
+    loads = disc.external(1.0)
+    watch, _ = watch_for(newton, True, None)
+    assert watch is not None
+    recorder = Recorder(disc, "static")
+    ledger = StaticBooks(disc, newton.books(x))
+    recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, newton.books(x), ledger.flows)
+    counts = [watch.pivots(x)]
+    fall = _Fall(newton, loads)
+    status: Status | None = None
+    report = reporting(progress)
+    taken = 0
+    try:
+        for taken in range(1, iterations + 1):
+            left = fall.step(x)
+            report(taken / iterations, f"imbalance {left:.3g} of the first, pseudo-time step {fall.pace:.3g}")
+            if fall.stuck or (left <= NEAR and fall.pace >= LAST):
+                break
+    except KeyboardInterrupt:
+        status = Status("interrupted", f"interrupted after {taken} iterations.", "Go on with start=.")
+    here = x.copy()
+    x[: disc.nodes, 12:15], x[: disc.nodes, 15:24] = 0.0, x[: disc.nodes, 3:12]
+    outcome = newton.solve(x, loads)
+    recorder.iterations += [taken, outcome.iterations]
+    if status is None and outcome.status is not None:
+        x, failed = here, outcome.status
+        sentence = f"no equilibrium was found in {taken} iterations of the relaxation: {failed.sentence}"
+        status = Status(failed.code, sentence, "Raise iterations, or stiffen what can move freely.")
+    books = newton.finish(x, newton.applied(x, loads).copy())
+    ledger.add(books, x[: disc.nodes, :3])
+    recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, books, ledger.flows)
+    counts.append(watch.pivots(x))
+    if status is None:
+        sort = "a stable equilibrium" if counts[-1] == 0 else "an equilibrium that is not stable"
+        status = Status("done", f"{sort} after {taken} iterations of relaxation and {outcome.iterations} of Newton.")
+    info = {
+        "formulation": "Directors()", "tolerance": tolerance, "control": "form finding", "relaxation": taken,
+        "element": repr(scheme.element),
+    }  # fmt: skip
+    stability = PathStability(np.array(counts, np.int64), np.zeros(len(counts), bool))
+    result = replace(recorder.result(status, ledger.audit(), info), stability=stability)
+    if raise_on_failure and not result.success:
+        raise ConvergenceError(result)
+    return result
+
+
+class _Fall:
+    """The relaxation of one model: each step lowers the potential energy, or is tried again with a thicker fluid."""
+
+    def __init__(self, newton: Newton, loads: Array) -> None:
+        self.newton, self.loads, self.disc = newton, loads, newton.disc
+        self.hessian = Hessian(newton, turn_length(newton.disc.mesh.r0))
+        self.pace, self.first, self.stuck = FIRST, 0.0, False
+
+    def energy(self, x: Array) -> tuple[float, float]:
+        """Stored energy less the work that the loads can do, and the size of what was added up."""
+        stored = float(self.newton.books(x).totals[0])
+        work = self.loads[:, :3] * (x[: self.disc.nodes, :3] - self.disc.mesh.r0)
+        return stored - float(work.sum()), stored + float(np.abs(work).sum())
+
+    def step(self, x: Array) -> float:
+        """Move ``x``; the imbalance before, relative to the first."""
+        newton, hessian = self.newton, self.hessian
+        off = (newton.applied(x, self.loads) - newton.work.internal).ravel()[hessian.free]
+        off = off / hessian.weights[hessian.free]
+        left = float(np.linalg.norm(off))
+        self.first = self.first or left or 1.0
+        stiffness = hessian.matrix(x)
+        fluid = np.abs(stiffness.diagonal())
+        fluid = np.maximum(fluid, 1e-6 * float(fluid.max()))
+        before, start = self.energy(x), x.copy()
+        while True:
+            try:
+                found = splu(csc_matrix(stiffness + diags(fluid / self.pace))).solve(off)
+            except RuntimeError:  # singular
+                found = np.zeros_like(off)
+            _, turned, bad = kernel.move(hessian.increment(found), x, False, False, LARGEST_TURN)
+            after = self.energy(x)
+            noise = ROUND_OFF * (before[1] + after[1])
+            if bad < 0 and np.any(found) and off @ found >= 0.0 and after[0] <= before[0] + noise:
+                if turned <= LARGEST_TURN:
+                    self.pace = min(GROWTH * self.pace, LAST)
+                return left / self.first
+            x[:] = start
+            self.pace *= CUT
+            if self.pace < 1e-12:
+                self.stuck = True
+                return left / self.first
