@@ -311,7 +311,7 @@ class Walk:
         """Remember the point just kept as a critical one."""
         at = len(self.recorder.rows) - 1
         self.critical.append(
-            CriticalPoint(kind, self.point.factor, self.arc, at, crossing.before, crossing.after, crossing.modes)
+            CriticalPoint(kind, crossing.factor, self.arc, at, crossing.before, crossing.after, crossing.modes)
         )
 
     def _first_event(self, whole: Trial) -> tuple[Trial, bool]:
@@ -367,7 +367,7 @@ class Walk:
         assert watch is not None
         before, (inside, modes) = watch.count, watch.singular(x, self.point.factor)
         watch.count = inside + 1 if before == inside else inside
-        return Crossing(Settled(0.0, x, self.point.factor), before, inside, watch.count, modes)
+        return Crossing(Settled(0.0, x, self.point.factor), self.point.factor, before, inside, watch.count, modes)
 
     def _arrive(self) -> None:
         """Book the way to the point."""

@@ -31,10 +31,11 @@ class Settled(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """Where eigenvalues of the stiffness vanish: the equilibrium, negative ones before, at and after it, the modes
-    (multiplicity, n, 6)."""
+    """Where eigenvalues of the stiffness vanish: the equilibrium found next to it, the load factor there, negative ones
+    before, at and after it, the modes (multiplicity, n, 6)."""
 
     at: Settled
+    factor: float
     before: int
     inside: int
     after: int
@@ -143,8 +144,7 @@ class Watch:
         inside = min(count, count + len(vanish) if after > count else count - len(vanish))
         then = count + len(vanish) * (1 if after > count else -1)
         modes = np.array([self._unit(found.vectors[:, k]) for k in vanish])
-        at = best.at._replace(factor=_at_zero(tried, best))
-        return Crossing(at, count, inside, then, modes)
+        return Crossing(best.at, _at_zero(tried, best), count, inside, then, modes)
 
     def _unit(self, vector: Array) -> Array:
         """A mode (n, 6) of unit length, its largest component positive."""
