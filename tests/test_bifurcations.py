@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -150,13 +152,14 @@ def test_load_control_counts_when_asked() -> None:
 
 def test_a_length_a_stiffness_and_a_load_as_the_parameter() -> None:
     """Euler's column meets its load at P L²/EI = π²/4, whichever of them changes; with the stiffness nothing moves."""
-    for make, begin, direction, known in (
-        (lambda p: column(L=p, P=2.0), 1.0, "forward", np.pi / 2 / np.sqrt(2.0)),
-        (lambda p: column(EI=p, P=2.0), 1.0, "backward", 8.0 / np.pi**2),
-        (lambda p: column(P=p), 1.0, "forward", np.pi**2 / 4),
-    ):
-        control = dx.ArcLength(ds=0.05, load_step=0.2, direction=direction, branch=1, max_steps=14)  # type: ignore[arg-type]
-        result = dx.continuation(make, begin, control=control)
+    families: list[tuple[Callable[[float], dx.Model], Literal["forward", "backward"], float]] = [
+        (lambda p: column(L=p, P=2.0), "forward", np.pi / 2 / np.sqrt(2.0)),
+        (lambda p: column(EI=p, P=2.0), "backward", 8.0 / np.pi**2),
+        (lambda p: column(P=p), "forward", np.pi**2 / 4),
+    ]
+    for make, direction, known in families:
+        control = dx.ArcLength(ds=0.05, load_step=0.2, direction=direction, branch=1, max_steps=14)
+        result = dx.continuation(make, 1.0, control=control)
         assert result.success and result.audit.passed and result.stability is not None
         assert result.stability.points[0].load_factor == pytest.approx(known, rel=5e-4)
         assert abs(result.node("b").displacement[-1, 2]) > 0.1 and result.stability.negative[-1] == 0
@@ -202,7 +205,8 @@ def test_it_is_kept_drawn_and_written(tmp_path: Path) -> None:
     assert [str(p) for p in a.points] == [str(p) for p in b.points]
     assert np.array_equal(a.points[0].modes, b.points[0].modes)
     axes = first.plot.branches("b", "z", [second])
-    styles = [(line.get_linestyle(), np.ptp(np.asarray(line.get_ydata(), float))) for line in axes.lines if len(line.get_xdata()) > 1]
+    drawn = [(line.get_linestyle(), np.asarray(line.get_ydata(), float)) for line in axes.lines]
+    styles = [(style, float(np.ptp(y))) for style, y in drawn if len(y) > 1]
     assert any(s == "-" and h > 2.0 for s, h in styles) and any(s != "-" and h > 1.0 for s, h in styles)
     import matplotlib.pyplot as plt
 

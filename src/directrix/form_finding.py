@@ -9,6 +9,7 @@ stable equilibrium, whatever the start.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from directrix.checks import reporting, whole
 from directrix.critical import PathStability
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
-from directrix.hessian import Hessian, not_conservative
+from directrix.hessian import Hessian, nearest_zero, negative_pivots, not_conservative
 from directrix.kernels import step as kernel
 from directrix.model import Model
 from directrix.newton import Newton, Settings
@@ -38,6 +39,7 @@ FIRST, LAST = 1e-2, 1e12  # pseudo-time steps: the first one, and the one that i
 GROWTH, CUT = 4.0, 0.25
 LARGEST_TURN = 0.3  # rad in an iteration
 NEAR = 1e-3  # of the first imbalance: here the iteration of a step along a path takes over
+NUDGES, NUDGE = 6, 1e-3  # times that an unstable equilibrium is left; by so many rad, or parts of the model's size
 ROUND_OFF = 1e-13  # of the energies in the sum: a smaller rise is none
 
 
@@ -98,32 +100,33 @@ def form_find(
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, newton.books(x), ledger.flows)
     counts = [watch.pivots(x)]
     fall = _Fall(newton, loads)
-    status: Status | None = None
     report = reporting(progress)
-    taken = 0
+    status, taken = None, 0
     try:
-        for taken in range(1, iterations + 1):
-            left = fall.step(x)
-            report(taken / iterations, f"imbalance {left:.3g} of the first, pseudo-time step {fall.pace:.3g}")
-            if fall.stuck or (left <= NEAR and fall.pace >= LAST):
+        for _ in range(NUDGES):
+            taken, status = _relaxed(fall, x, taken, iterations, report)
+            if status is not None:
                 break
+            outcome = newton.solve(x, loads)
+            recorder.iterations.append(outcome.iterations)
+            if outcome.status is not None:
+                status = outcome.status
+                break
+            if not watch.pivots(x):
+                status = Status("done", f"a stable equilibrium after {taken} iterations of relaxation.")
+                break
+            fall.nudge(x)  # an equilibrium, but one that the start is symmetric about: off it, and down again
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted after {taken} iterations.", "Go on with start=.")
-    here = x.copy()
-    x[: disc.nodes, 12:15], x[: disc.nodes, 15:24] = 0.0, x[: disc.nodes, 3:12]
-    outcome = newton.solve(x, loads)
-    recorder.iterations += [taken, outcome.iterations]
-    if status is None and outcome.status is not None:
-        x, failed = here, outcome.status
-        sentence = f"no equilibrium was found in {taken} iterations of the relaxation: {failed.sentence}"
-        status = Status(failed.code, sentence, "Raise iterations, or stiffen what can move freely.")
+    status = status or Status(
+        "not_converged",
+        f"{taken} iterations of relaxation led to equilibria that are not stable.",
+        "Begin elsewhere with start=, or refine the mesh.",
+    )
     books = newton.finish(x, newton.applied(x, loads).copy())
     ledger.add(books, x[: disc.nodes, :3])
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, books, ledger.flows)
     counts.append(watch.pivots(x))
-    if status is None:
-        sort = "a stable equilibrium" if counts[-1] == 0 else "an equilibrium that is not stable"
-        status = Status("done", f"{sort} after {taken} iterations of relaxation and {outcome.iterations} of Newton.")
     info = {
         "formulation": "Directors()", "tolerance": tolerance, "control": "form finding", "relaxation": taken,
         "element": repr(scheme.element),
@@ -133,6 +136,25 @@ def form_find(
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
+
+
+def _relaxed(
+    fall: _Fall, x: Array, taken: int, most: int, report: Callable[[float, str], None]
+) -> tuple[int, Status | None]:
+    """Let ``x`` fall until Newton's iteration can take over: iterations so far, and a status when that was not to be."""
+    fall.pace, fall.first = FIRST, 0.0
+    left = 1.0
+    while taken < most:
+        left, taken = fall.step(x), taken + 1
+        report(taken / most, f"imbalance {left:.3g} of the first, pseudo-time step {fall.pace:.3g}")
+        if fall.stuck or (left <= NEAR and fall.pace >= LAST):
+            nodes = fall.disc.nodes
+            x[:nodes, 12:15], x[:nodes, 15:24] = 0.0, x[:nodes, 3:12]
+            return taken, None
+    sentence = f"the relaxation did not settle in {most} iterations, its imbalance is {left:.3g} of the first."
+    return taken, Status(
+        "not_converged", sentence, "Raise iterations, go on with start=, or stiffen what moves freely."
+    )
 
 
 class _Fall:
@@ -177,3 +199,11 @@ class _Fall:
             if self.pace < 1e-12:
                 self.stuck = True
                 return left / self.first
+
+    def nudge(self, x: Array) -> None:
+        """Move ``x`` a little along one of its unstable modes."""
+        matrix = self.hessian.matrix(x)
+        found = nearest_zero(matrix, negative_pivots(matrix) + 1)
+        mode = self.hessian.increment(found.vectors[:, 0])
+        size = max(float(np.abs(mode[:, 3:]).max()), float(np.abs(mode[:, :3]).max()) / self.disc.length)
+        kernel.move(NUDGE / size * mode, x, False, False, LARGEST_TURN)

@@ -260,7 +260,7 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     size = 1e-3 / max(
         float(np.abs(strain).max()), max((abs(v) for v in lengths.values()), default=0.0) / system.disc.length
     )
-    ahead, behind = (system.stiffness(h * strain, {name: -h * v for name, v in lengths.items()}) for h in (size, -size))
+    ahead, behind = (system.stiffness(h * strain, {name: h * v for name, v in lengths.items()}) for h in (size, -size))
     rate = (ahead - behind) / (2.0 * size)
     n = stiffness.shape[0]
     operator: Any = LinearOperator

@@ -37,11 +37,8 @@ MODULES = (
     roll_up, elastica, follower, bend45, cantilevers, helix,
     hinged_frame, vibration_and_buckling, branching, elbow, spaghetti, spin_up,
 )  # fmt: skip
-CASES: tuple[Case, ...] = tuple(
-    sorted(
-        (case for module in MODULES for case in module.CASES), key=lambda case: [int(n) for n in case.section.split(".")]
-    )
-)
+_EVERY = [case for module in MODULES for case in module.CASES]
+CASES: tuple[Case, ...] = tuple(sorted(_EVERY, key=lambda case: [int(n) for n in case.section.split(".")]))
 
 
 @dataclass(frozen=True)
