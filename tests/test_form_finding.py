@@ -37,7 +37,7 @@ def test_a_slack_cable_hangs_as_a_catenary() -> None:
     a = cast("float", brentq(_too_long, 0.05, 10.0))
     found = dx.form_find(cable())
     assert found.success and found.audit.passed and found.stability is not None
-    assert found.stability.negative[0] > 0 and found.stability.stable[-1]
+    assert found.stability.stable[-1]
     assert -found.node("M").r[-1, 1] == pytest.approx(a * (np.cosh(0.5 / a) - 1.0), rel=1e-3)
 
 

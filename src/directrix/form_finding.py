@@ -39,6 +39,7 @@ FIRST, LAST = 1e-2, 1e12  # pseudo-time steps: the first one, and the one that i
 GROWTH, CUT = 4.0, 0.25
 LARGEST_TURN = 0.3  # rad in an iteration
 NEAR = 1e-3  # of the first imbalance: here the iteration of a step along a path takes over
+PARTS, BRIEFLY = 10, 50  # of the way of the supports, and iterations after each of them
 NUDGES, NUDGE = 6, 1e-3  # times that an unstable equilibrium is left; by so many rad, or parts of the model's size
 ROUND_OFF = 1e-13  # of the energies in the sum: a smaller rise is none
 
@@ -52,9 +53,11 @@ def form_find(
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
-    """The stable equilibrium that the model falls into under its whole loads and prescribed values, all at once.
+    """The stable equilibrium that the model falls into under its whole loads and prescribed values.
 
-    For cables that hang, nets that are pulled tight, and other shapes that a straight or slack start is far from.
+    Loads act at once; supports go where they are prescribed in ten parts (at once from a ``start``), and the model falls
+    after each of them. For cables that hang, nets that are pulled tight, and other shapes that a straight or slack start
+    is far from.
 
     Parameters
     ----------
@@ -90,8 +93,6 @@ def form_find(
     if why:
         raise ModelError(f"there is no energy to fall: {why}", "use solve_static for such loads")
     x = initial_state(disc, start, scheme)
-    place_supports(disc, x, 1.0)
-    x[: disc.nodes, 12:15], x[: disc.nodes, 15:24] = 0.0, x[: disc.nodes, 3:12]
     loads = disc.external(1.0)
     watch, _ = watch_for(newton, True, None)
     assert watch is not None
@@ -103,6 +104,10 @@ def form_find(
     report = reporting(progress)
     status, taken = None, 0
     try:
+        for part in range(1, PARTS) if disc.prescribed and start is None else ():
+            fall.support(x, part / PARTS)
+            taken, _ = _relaxed(fall, x, taken, min(taken + BRIEFLY, iterations), report)
+        fall.support(x, 1.0)
         for _ in range(NUDGES):
             taken, status = _relaxed(fall, x, taken, iterations, report)
             if status is not None:
@@ -141,7 +146,7 @@ def form_find(
 def _relaxed(
     fall: _Fall, x: Array, taken: int, most: int, report: Callable[[float, str], None]
 ) -> tuple[int, Status | None]:
-    """Let ``x`` fall until Newton's iteration can take over: iterations so far, and a status when that was not to be."""
+    """Let ``x`` fall until Newton's iteration can take over: iterations so far, and a status when it did not settle."""
     fall.pace, fall.first = FIRST, 0.0
     left = 1.0
     while taken < most:
@@ -164,6 +169,25 @@ class _Fall:
         self.newton, self.loads, self.disc = newton, loads, newton.disc
         self.hessian = Hessian(newton, turn_length(newton.disc.mesh.r0))
         self.pace, self.first, self.stuck = FIRST, 0.0, False
+
+    def support(self, x: Array, factor: float) -> None:
+        """Put supports where they are at a load factor, and the rest near to that."""
+        if place_supports(self.disc, x, factor):
+            self.spread(x)
+
+    def spread(self, x: Array) -> None:
+        """Move the positions to where they balance at the rotations as they are: what supports did at one end is then
+        felt everywhere, and no element is folded. The energy of rods is quadratic in positions, so this is one solve.
+        """
+        hessian, newton = self.hessian, self.newton
+        place = np.flatnonzero(hessian.free % 6 < 3)
+        off = (newton.applied(x, self.loads) - newton.work.internal).ravel()[hessian.free][place]
+        found = np.zeros(len(hessian.free))
+        try:
+            found[place] = splu(csc_matrix(hessian.matrix(x)[place][:, place])).solve(off)
+        except RuntimeError:  # a link alone does not hold a position
+            return
+        kernel.move(hessian.increment(found), x, True, False, np.inf)
 
     def energy(self, x: Array) -> tuple[float, float]:
         """Stored energy less the work that the loads can do, and the size of what was added up."""
