@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from directrix.errors import InputError
+from directrix.functions import harmonic
 from directrix.schema import Case, json_schema, load_case
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
 from directrix.schema.models import Dynamics, Statics
@@ -188,7 +189,7 @@ dt = 0.1
     assert model.supports[1].dofs == ("x", "z")
     assert [type(load).__name__ for load in model.loads] == ["Force", "Moment", "Distributed", "Gravity"]
     force = model.loads[0]
-    assert force.constant and force.value == Scaled((1.0, 2.0, 3.0), Sine(frequency=2.0))
+    assert force.constant and force.value == harmonic((1.0, 2.0, 3.0), 2.0)
     assert model.loads[1].value == (4.0, 5.0, 6.0) and not model.loads[1].constant
     moved = model.prescribed[0]
     assert callable(moved.displacement) and callable(moved.rotation)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
+    from directrix.functions import harmonic, ramp, table
     from directrix.integrators import (
         EnergyDissipating,
         EnergyMomentum,
@@ -61,15 +62,18 @@ __all__ = [
     "buckling",
     "continuation",
     "form_find",
+    "harmonic",
     "helix",
     "laws",
     "line",
     "load",
     "modes",
     "polyline",
+    "ramp",
     "simulate",
     "solve_static",
     "spline",
+    "table",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
@@ -82,6 +86,7 @@ _HOME = {
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "functions": ("harmonic", "ramp", "table"),
     "integrators": (
         "EnergyDissipating",
         "EnergyMomentum",

@@ -98,7 +98,7 @@ class _Turn:
 class DynamicBooks:
     """Adds up the ledger of a motion, one step after the other (read by the loop, never by the solver).
 
-    After every step: total − total(0) = work − dissipated, with no step dissipating less than nothing,
+    After every step: total − total(0) = work − dissipated, with no source dissipating less than nothing in any step,
     L − L(0) = ∫ΣF dt and J − J(0) = ∫ΣM dt, loads and supports together. What does not add up is kept as the largest
     deviation seen.
     """
@@ -116,6 +116,7 @@ class DynamicBooks:
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
+        self.taken, self.done = np.zeros(len(disc.sources.names)), np.zeros(len(disc.sources.names))
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
         self.off = np.zeros(3)
@@ -126,13 +127,15 @@ class DynamicBooks:
     def add(self, books: Books) -> None:
         """Book one step."""
         totals, flow = books.totals, books.flow
-        self.work += flow[0] + flow[1]
+        self.work += flow[0] + flow[1] + flow[9]
         self.prescribed += flow[1]
         self.dissipated += flow[8]
-        self.given = max(self.given, -float(flow[8]))
+        self.taken += books.taken
+        self.done += books.done
+        self.given = max(self.given, -float(min(books.taken, default=0.0)))
         self.impulse += self.dt * flow[2:8]
         self.turnover += (
-            abs(flow[0]) + abs(flow[1]),
+            abs(flow[0]) + abs(flow[1]) + np.abs(books.done).sum(),
             self.dt * np.linalg.norm(flow[2:5]),
             self.dt * np.linalg.norm(flow[5:8]),
         )
@@ -148,9 +151,9 @@ class DynamicBooks:
         self.turn.add(totals)
 
     @property
-    def flows(self) -> tuple[float, float, float]:
-        """Since the start: work, the part of prescribed motion, what was dissipated."""
-        return self.work, self.prescribed, self.dissipated
+    def flows(self) -> tuple[float, ...]:
+        """Since the start: work, the part of prescribed motion, what was dissipated; by source the last, and work."""
+        return self.work, self.prescribed, self.dissipated, *self.taken.tolist(), *self.done.tolist()
 
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
@@ -162,7 +165,7 @@ class DynamicBooks:
         )
         value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
         claims = self.integrator
-        back = Entry("dissipation", float(self.given / scale[0]), LIMIT, f"{scale[0]:.6g}")
+        back = Entry("dissipation", float(self.given / scale[0]) if scale[0] > 0.0 else 0.0, LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
                 Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
@@ -183,15 +186,19 @@ class StaticBooks:
     def __init__(self, disc: Discretisation, first: Books) -> None:
         self.length = disc.length
         self.work = self.prescribed = 0.0
+        self.done = np.zeros(len(disc.sources.names))
         self.off = np.zeros(2)
-        self.scale = np.zeros(2)
+        # what balances is what loads bring in or, where stresses balance each other, what elements carry; and where
+        # nothing is stressed the force of strains of 1e-8, below which is rounding
+        least = 1e-8 * max((float(np.diag(r.section.stiffness)[:3].max()) for r in disc.model.rods), default=0.0)
+        self.scale = np.array([least, least * self.length])
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
     @property
-    def flows(self) -> tuple[float, float, float]:
-        """Since the start: work, the part of prescribed motion, nothing dissipated."""
-        return self.work, self.prescribed, 0.0
+    def flows(self) -> tuple[float, ...]:
+        """Since the start: work, the part of prescribed motion, nothing dissipated; by source nothing, and work."""
+        return self.work, self.prescribed, 0.0, *(0.0 * self.done).tolist(), *self.done.tolist()
 
     def add(self, books: Books, r: Array) -> None:
         """Book one equilibrium with positions ``r`` (n, 3)."""
@@ -201,9 +208,10 @@ class StaticBooks:
         balance = np.concatenate([on[:, :3].sum(0), moments.sum(0)]) + books.ground
         self.off = np.fmax(self.off, [np.linalg.norm(balance[:3]), np.linalg.norm(balance[3:])])
         force, moment = (np.linalg.norm(p, axis=1).sum() for p in (on[:, :3], on[:, 3:]))
-        force = max(force, moment / self.length)
+        force = max(force, moment / self.length, books.scale[0], books.scale[1] / self.length)
         self.scale = np.fmax(self.scale, (force, force * self.length))
-        self.work += float(ledger[0] + ledger[1])
+        self.work += float(ledger[0] + ledger[1] + books.flow[9])
+        self.done += books.done
         self.prescribed += float(ledger[1])
         self.turn.add(books.totals)
 
@@ -216,6 +224,14 @@ class StaticBooks:
                 for name, o, s in zip(names, self.off, self.scale, strict=True)
             ]
         )
+
+
+def _workers(result: Result) -> dict[str, Array]:
+    """Who did work, if there is more than one."""
+    by = result.energy.work_by_source
+    most = max((float(np.abs(done).max()) for done in by.values()), default=0.0)
+    working = {name: done for name, done in by.items() if np.abs(done).max() > 1e-12 * most}
+    return working if len(working) > 1 else {}
 
 
 def report(result: Result) -> str:
@@ -233,6 +249,8 @@ def report(result: Result) -> str:
         f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
         f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}"
         + (f", dissipated {result.energy.dissipated[-1]:.9g}" if result.energy.dissipated[-1] else ""),
+        *(f"  dissipated by {name}: {taken[-1]:.9g}" for name, taken in result.energy.by_source.items()),
+        *(f"  work of {name}: {done[-1]:.9g}" for name, done in _workers(result).items()),
         f"  {'law':<20}{'deviation':>12}{'allowed':>12}  relative to",
     ]
     for e in audit.entries:
@@ -241,10 +259,11 @@ def report(result: Result) -> str:
             f"  {e.law:<20}{e.value:>12.2e}{e.limit:>12.0e}  {e.relative_to:<12} {mark if e.claimed else 'not claimed'}"
         )
     lines.append(f"  audit {audit.verdict}")
-    lines.append(
-        f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
-        f"directors off orthonormal by {audit.director_loss:.1e}"
-    )
+    if info.get("elements", 1):
+        lines.append(
+            f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
+            f"directors off orthonormal by {audit.director_loss:.1e}"
+        )
     if result.stability is None:
         lines += [f"  {point}" for point in result.turning_points]
     else:

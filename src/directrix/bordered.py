@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.joints import KINDS
 from directrix.kernels import step as kernel
 from directrix.kernels.chain import solve_chain
 from directrix.newton import Newton
@@ -67,11 +68,12 @@ class Bordered:
         self.newton, self.disc = newton, newton.disc
         self.length = turn_length(self.disc.mesh.r0)
         pattern = self.disc.pattern
-        self.held = self.disc.fixed[pattern.node_of_row]  # (rows, 6)
+        self.held = self.disc.held[pattern.node_of_row]  # (rows, 6)
 
     def correct(self, x: Array, factor: float, row: Row | None) -> Corrected:
         """Move x1 and the load factor until they balance and lie in the row's plane; without one the factor stays."""
         newton, work = self.newton, self.newton.work
+        n = self.disc.nodes
         tolerance, floor, size = newton.options[0], newton.options[1:3], newton.options[3]
         limit, cayley = newton.options[4], newton.options[6] > 0.0
         for count in range(1, newton.settings.iterations + 1):
@@ -82,24 +84,24 @@ class Bordered:
             rise = 0.0
             if row is not None:
                 c, gap = row(x)
-                closing = float(np.sum(c * per_factor))
-                if not abs(closing) > BLIND * np.linalg.norm(c) * np.linalg.norm(per_factor):
+                closing = float(np.sum(c * per_factor[:n]))
+                if not abs(closing) > BLIND * np.linalg.norm(c) * np.linalg.norm(per_factor[:n]):
                     return Corrected(factor, count, self._blind())
-                rise = -(gap + float(np.sum(c * out_of_balance))) / closing
-            moved, turned, bad = kernel.move(out_of_balance + rise * per_factor, x, False, cayley, limit)
+                rise = -(gap + float(np.sum(c * out_of_balance[:n]))) / closing
+            moved, turned, bad = kernel.move(out_of_balance + rise * per_factor, n, x, False, cayley, limit)
             if bad >= 0 or not np.isfinite(rise):
                 return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, max(bad, 0)))
             factor += float(rise * min(1.0, limit / max(turned, 1e-300)))
             newton.place(x, factor)
             if moved <= 1e-9 * size and turned <= 1e-9:
                 newton.applied(x, newton.loads(factor))
-                worst, at = kernel.imbalance(work, newton.mask, tolerance, floor)
+                worst, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
                 if worst <= 1.0:
                     return Corrected(factor, count, None)
                 if not np.isfinite(worst):
                     return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, at))
         newton.applied(x, newton.loads(factor))
-        _, at = kernel.imbalance(work, newton.mask, tolerance, floor)
+        _, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
         return Corrected(factor, newton.settings.iterations, newton.verdict(kernel.LIMIT, at))
 
     def tangent(self, x: Array, factor: float, at_limit: bool = True) -> tuple[Array, float] | Status:
@@ -110,11 +112,12 @@ class Bordered:
         found = self._increments(x, factor, at_limit)
         if isinstance(found, Status):
             return found
-        size = np.sqrt(dot(found[1], found[1], self.length))
-        return (found[1] / size, float(1.0 / size)) if size > 0.0 else (found[1], np.inf)
+        along = found[1][: self.disc.nodes]
+        size = np.sqrt(dot(along, along, self.length))
+        return (along / size, float(1.0 / size)) if size > 0.0 else (along, np.inf)
 
     def _increments(self, x: Array, factor: float, at_limit: bool = True) -> tuple[Array, Array] | Status:
-        """Increments (n, 6) of all nodes: due to the imbalance, and for one load factor more.
+        """Increments (rows, 6) of all nodes and multipliers: due to the imbalance, and for one load factor more.
 
         The second is the difference of two right-hand sides: interior nodes, which are condensed, get their
         part of the load in the assembly.
@@ -122,14 +125,24 @@ class Bordered:
         newton, work = self.newton, self.newton.work
         rate = self._load_rate(x, factor)
         external = newton.loads(factor)
-        sides = (external, external + rate)
+        # what drives elements need not enter linearly: a small step then, and the state itself last
+        h = 1e-6 * max(1.0, abs(factor)) if self.disc.drives else 1.0
+        sides = (external, external + h * rate)
         rhs, inside = np.empty((2, *work.rhs.shape)), np.empty((2, len(work.back)))
-        for k, loads in enumerate(sides):
+        for k in (1, 0):
+            loads = sides[k]
+            newton.driver.place(factor + k * h, factor + k * h)
             bad = kernel.assemble(newton.tables, work, x, newton.globals, loads, newton.mask, False)
             if bad >= 0:
                 return self._singular(int(newton.tables.element_node[bad]))
             rhs[k], inside[k] = work.rhs, work.back[:, 12]
+        if h != 1.0:
+            rhs[1], inside[1] = (a[0] + (a[1] - a[0]) / h for a in (rhs, inside))
         rhs[1][self.held] = self._support_rate(factor)[self.held]
+        low, high = _around(factor)
+        for joint, value in self.disc.driven:
+            row = self.disc.pattern.row[self.disc.nodes + joint]
+            rhs[1][row, KINDS[self.disc.model.joints[joint].kind].driven] += (value(high) - value(low)) / (high - low)
         solved = self._solve(rhs, at_limit)
         if isinstance(solved, Status):
             return solved
@@ -137,7 +150,7 @@ class Bordered:
         for k in range(2):
             work.du[:], work.back[:, 12] = solved[k], inside[k]
             kernel.spread(newton.tables, work)
-            steps.append(work.step[: self.disc.nodes].copy())
+            steps.append(work.step.copy())
         return steps[0], steps[1] - steps[0]
 
     def _solve(self, rhs: Array, at_limit: bool) -> Array | Status:

@@ -208,12 +208,18 @@ def check(case_file: CaseFile) -> None:
 @app.command()
 @_guarded
 def info(result_file: ResultFile) -> None:
-    """Print what a result holds: how it ended, its audit, its names."""
+    """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint."""
+    import numpy as np
+
     result, path = _load(result_file)
     print(result)
     print(f"  file {path}")
-    print(f"  {len(result.t)} saved instants; rods: {', '.join(r.name for r in result.mesh.rods)}")
+    print(f"  {len(result.t)} saved instants; rods: {', '.join(r.name for r in result.mesh.rods) or 'none'}")
     print(f"  named nodes: {', '.join(result.mesh.node_names)}")
+    for name in result.mesh.joints:
+        joint = result.joint(name)
+        force, moment = (np.linalg.norm(part, axis=1).max() for part in (joint.force, joint.moment))
+        print(f"  joint {name}: force up to {force:.6g}, moment up to {moment:.6g}")
     for key, value in result.info.items():
         print(f"  {key} = {value}")
 

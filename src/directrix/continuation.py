@@ -78,6 +78,10 @@ def continuation(
             )
     scheme = static_scheme(model, None)
     disc = discretise(model, scheme)
+    if disc.drives:
+        raise ModelError(
+            "continuation has no form for actuation, tendons and drag yet", "let them be functions of the load factor"
+        )
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, replace(Settings(tolerance), iterations=PATIENCE))
     newton.family = Family(make, disc, scheme)

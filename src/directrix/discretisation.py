@@ -7,24 +7,39 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from directrix.actuators import value_at
 from directrix.basis import gauss, lagrange
-from directrix.checks import shown, vector
+from directrix.checks import number, shown, vector
+from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
 from directrix.formulations.layout import Layout
-from directrix.groups import Group, attached_groups, layout_of, lumped_at_nodes, mesh_rod, parameters_of
-from directrix.model import Distributed, Force, Gravity, Model, RigidVelocity, Vec
+from directrix.free_nodes import idle_rotations, refuse_loose
+from directrix.groups import (
+    Group,
+    attached_groups,
+    layout_of,
+    lumped_at_nodes,
+    mesh_rod,
+    parameters_of,
+    refuse_driven,
+    routes_of,
+)
+from directrix.joint_groups import joint_groups, unused
+from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.scheme import Scheme
 from directrix.section import Section
+from directrix.sources import Sources, sources_of
 
 Array = NDArray[np.float64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
@@ -36,7 +51,8 @@ __all__ = ["Discretisation", "LoadTerm", "Pattern", "discretise"]
 @dataclass(frozen=True)
 class LoadTerm:
     """A load as the solvers see it: ``value(t)`` times ``weights`` on ``nodes``, from column ``first`` on of the loads:
-    0 force, 3 moment, 6 following force, 9 following moment."""
+    0 force, 3 moment, 6 following force, 9 following moment. ``weights`` are (nodes, 1) for a vector, (nodes, 3) for a
+    number that acts in directions of their own."""
 
     first: int
     nodes: Ints
@@ -49,8 +65,8 @@ class LoadTerm:
 
 class Pattern(NamedTuple):
     """Block rows of the condensed system. ``row`` (n,) of every node, −1 for interior ones; the blocks of a
-    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` (elements, 4) are the
-    blocks (a, a), (b, a), (a, b), (b, b) of an element's ends."""
+    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` are, element by element,
+    the blocks (a, b) of its nodes in the pattern, a fastest; ``first`` is where each group of elements begins there."""
 
     chain: bool
     row: Ints
@@ -59,12 +75,14 @@ class Pattern(NamedTuple):
     column: Ints
     diagonal: Ints
     dest: Ints
+    first: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Discretisation:
     """Everything the solvers read. ``fixed`` (n, 6) marks components held by supports or prescribed motion;
-    ``prescribed`` pairs a node with its displacement and rotation functions."""
+    ``prescribed`` pairs a node with its displacement and rotation functions, ``driven`` a joint with that of its
+    coordinate. Behind the nodes the unknowns have a row for every joint."""
 
     model: Model
     mesh: Mesh
@@ -72,15 +90,28 @@ class Discretisation:
     pattern: Pattern
     fixed: NDArray[np.bool_]
     prescribed: tuple[Prescribed, ...]
+    driven: tuple[tuple[int, Callable[[float], float]], ...]
     loads: tuple[LoadTerm, ...]
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
+    sources: Sources
+    drives: tuple[Drive, ...]
 
     @property
     def nodes(self) -> int:
         """Number of nodes."""
         return len(self.mesh.r0)
+
+    @property
+    def rows(self) -> int:
+        """Number of nodes and joints."""
+        return self.nodes + len(self.model.joints)
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """(rows, 6) components that are no unknowns: fixed ones, and multipliers that a joint does not have."""
+        return np.concatenate([self.fixed, unused(self.model.joints)])
 
     @property
     def elements(self) -> int:
@@ -94,8 +125,10 @@ class Discretisation:
 
     @cached_property
     def length(self) -> float:
-        """Size of the model, the diagonal of its box."""
-        return float(np.linalg.norm(np.ptp(self.mesh.r0, axis=0)))
+        """Size of the model, the diagonal of its box; joints on the ground count where there are nodes alone."""
+        places = {name: self.mesh.r0[k] for name, k in self.mesh.node_names.items()}
+        grounded = [joint.place(places) for joint in self.model.joints if joint.b is None and not self.model.rods]
+        return float(np.linalg.norm(np.ptp([*self.mesh.r0, *grounded], axis=0))) or 1.0
 
     def element_place(self, element: int) -> str:
         """ "rod 'mid', element 3": where an element (numbered through the groups) is."""
@@ -112,23 +145,36 @@ class Discretisation:
         return f"element {element}"
 
     def external(self, t: float, factor: float = 1.0) -> Array:
-        """Loads (n, 12) at time t: forces and moments, then those that turn with their node, in its frame.
+        """Loads (rows, 12) at time t: forces and moments, then those that turn with their node, in its frame, or the
+        drive of a joint.
 
         Those not marked constant are multiplied by ``factor``.
         """
-        out = np.zeros((self.nodes, 12))
+        out = np.zeros((self.rows, 12))
         for load in self.loads:
             value = load.value(t) * (1.0 if load.constant else factor)
-            np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights[:, None] * value)
+            np.add.at(out[:, load.first : load.first + 3], load.nodes, load.weights * value)
+        return out
+
+    def driven_at(self, t: float, factor: float) -> Discretisation:
+        """The same with intrinsic strains, tensions of tendons and flows as they are at ``t``."""
+        return replace(self, groups=driven(self.groups, self.drives, t, factor))
+
+    def intrinsic(self, t: float, factor: float) -> Array:
+        """Strains (stations, 6) without stress at ``t``."""
+        out = np.zeros((self.stations, 6))
+        for actuation in self.model.actuations:
+            rod = self.mesh.rod(actuation.rod)
+            out[rod.first_station : rod.first_station + len(rod.stations)] = actuation.at(t, factor, rod.stations)
         return out
 
     def section_force(self, strain: Array) -> Array:
-        """Section forces (…, stations, 6) from strains (…, stations, 6)."""
+        """Section forces (…, stations, 6) from strains (…, stations, 6) that are stressed."""
         parts = [
             section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
             for r, section in zip(self.mesh.rods, self.sections, strict=True)
         ]
-        return np.concatenate(parts, axis=-2)
+        return np.concatenate([strain[..., :0, :], *parts], axis=-2)
 
     def link_states(self, r: Array, R: Array) -> dict[str, Array]:
         """Length and elastic tension (nt, 2) of every link, from positions (nt, n, 3) and rotations (nt, n, 3, 3)."""
@@ -157,6 +203,8 @@ class Discretisation:
                 k = self.mesh.node_names[given.node]
                 v[k] += given.v
                 omega[k] += given.omega
+        for name in idle_rotations(self.model, False):
+            omega[self.mesh.node_names[name]] = 0.0
         return v, omega
 
 
@@ -180,14 +228,23 @@ def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) 
     return checked
 
 
-def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
-    """Numbering and blocks for elements that join the nodes (a, b)."""
-    ends = np.unique(np.array(elements, np.int64).ravel())
+def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> Callable[[float], Array]:
+    if not callable(value):
+        given = np.array([value])
+        return lambda t: given
+    return lambda t: value_at(value, 1, what, t)
+
+
+def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
+    """Numbering and blocks for the elements of ``groups``."""
+    conn = [group.in_pattern for group in groups]
+    ends = np.unique(np.concatenate([c.ravel() for c in conn]))
     near: dict[int, list[int]] = {int(k): [] for k in ends}
-    for a, b in elements:
-        if a != b:
-            near[a].append(b)
-            near[b].append(a)
+    for elements in conn:
+        for a, b in itertools.permutations(range(elements.shape[1]), 2):
+            for here, there in elements[:, [a, b]].tolist():
+                if there not in near[here]:  # a tendon beside a rod joins no more than the rod does
+                    near[here].append(there)
     order: list[int] = []
     seen: set[int] = set()
     for start in [k for k in near if len(near[k]) == 1]:
@@ -208,7 +265,8 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
     rowptr = np.cumsum([0, *(len(r) for r in rows)])
     at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
     dest = [
-        (at[ra][ra], at[rb][ra], at[ra][rb], at[rb][rb]) for ra, rb in ((int(row[a]), int(row[b])) for a, b in elements)
+        [at[force][increment] for nodes in row[elements].tolist() for increment in nodes for force in nodes]
+        for elements in conn
     ]
     return Pattern(
         chain,
@@ -217,7 +275,8 @@ def _pattern(n: int, elements: Sequence[tuple[int, int]]) -> Pattern:
         rowptr.astype(np.int64),
         np.array([c for r in rows for c in r], np.int64),
         np.array([at[i][i] for i in range(len(rows))], np.int64),
-        np.array(dest, np.int64),
+        np.concatenate([np.array(d, np.int64) for d in dest]),
+        tuple(itertools.accumulate((len(d) for d in dest[:-1]), initial=0)),
     )
 
 
@@ -226,13 +285,16 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ModelError(f"{shown(model)} is not a model", "start from dx.Model() and add rods")
     element, dynamic = scheme.element, not scheme.static
-    model.check(**({"dynamic": True} if dynamic else {"static": True}))
-    names: dict[str, int] = {}
-    positions: list[Array] = []
+    model.check(static=not dynamic, dynamic=dynamic, meshed=False)
+    refuse_driven(model, scheme)
+    positions: list[Array] = [np.array(node.at) for node in model.nodes]
+    names = {node.name: k for k, node in enumerate(model.nodes)}
     rods: list[RodMesh] = []
     notes: list[str] = []
     by_layout: dict[Layout, list[tuple[Ints, Array, Ints, Array]]] = {}
-    spread: dict[str, tuple[Ints, Array]] = {}
+    owners: dict[Layout, list[str]] = {}
+    spread: dict[str, tuple[Ints, Array, Array]] = {}
+    drags = {drag.rod: drag for drag in model.drags}
     station = 0
     for rod in model.rods:
         mesh = mesh_rod(rod)
@@ -252,12 +314,15 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         ne, nn = mesh.directors.shape[:2]
         local: Ints = np.arange(ne)[:, None] * rod.order + np.arange(nn)
         conn = index[local]
-        layout = layout_of(rod, nn, element)
+        layout = layout_of(rod, nn, element, model)
         points = layout.points
-        parameters, weights, history = parameters_of(rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped)
+        parameters, weights, history = parameters_of(
+            rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped, drags.get(rod.name)
+        )
         first: Ints = station + points * np.arange(ne)
         by_layout.setdefault(layout, []).append((conn, parameters, first, history))
-        spread[rod.name] = conn.ravel(), weights.ravel()
+        owners.setdefault(layout, []).extend([rod.name] * ne)
+        spread[rod.name] = conn.ravel(), weights.reshape(-1, 1), mesh.directors.reshape(-1, 3, 3)
         shape = lagrange(rod.order, gauss(points)[0])[0]
         at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
         rods.append(
@@ -268,24 +333,40 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         )  # fmt: skip
         station += points * ne
     groups = tuple(
-        Group(element, layout, *(np.concatenate([part[k] for part in parts]) for k in range(4)))  # type: ignore[arg-type]
+        Group(
+            element,
+            layout,
+            *(np.concatenate([part[k] for part in parts]) for k in range(4)),  # type: ignore[arg-type]
+            lossy=layout.dragged and dynamic,
+            works=layout.dragged or layout.actuated,
+            owners=tuple(owners[layout]),
+        )
         for layout, parts in by_layout.items()
     )
     lumped = lumped_at_nodes(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
-    groups += attached_groups(model, scheme, names, np.array(positions))
-    mesh = Mesh(tuple(rods), names, np.array(positions), tuple(notes))
+    carried = scheme.static and any(g.element.rows(g.layout) for g in groups)
+    r0 = np.array(positions)
+    groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
+    groups += joint_groups(model.joints, scheme, names, r0, carried)
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
+    idle = [names[name] for name in idle_rotations(model, scheme.static)]
+    fixed[idle, 3:] = True
+    refuse_loose(model, names, groups, fixed)
     return Discretisation(
         model,
         mesh,
         groups,
-        _pattern(n, [(int(c[0]), int(c[-1])) for g in groups for c in g.conn]),
+        _pattern(n + len(model.joints), groups),
         fixed,
         prescribed,
-        _loads(model, names, spread),
+        _driven(model, dynamic),
+        (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
+        sources_of(model, groups, scheme),
+        drives_of(model, groups, rods),
     )
 
 
@@ -309,18 +390,70 @@ def _supports(
     return fixed, tuple(prescribed)
 
 
-def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array]]) -> tuple[LoadTerm, ...]:
+def _driven(model: Model, dynamic: bool) -> tuple[tuple[int, Callable[[float], float]], ...]:
+    out: list[tuple[int, Callable[[float], float]]] = []
+    for j, joint in enumerate(model.joints):
+        if joint.prescribed is not None:
+            out.append(
+                (j, _scalar(joint.prescribed, not dynamic, f"the prescribed coordinate of joint {joint.name!r}"))
+            )
+    return tuple(out)
+
+
+def _scalar(value: float | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], float]:
+    if not callable(value):
+        given = number(value, what)
+        return (lambda t: t * given) if ramp else (lambda t: given)
+
+    def checked(t: float) -> float:
+        try:
+            out = value(t)
+        except Exception as error:  # whatever a user's function raises
+            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return a number for every t") from error
+        return number(out, f"{what} at t = {t:.6g}")
+
+    return checked
+
+
+def _drives(model: Model, n: int) -> list[LoadTerm]:
+    """Drives of joints as loads in the first column of the followers."""
+    terms: list[LoadTerm] = []
+    for j, joint in enumerate(model.joints):
+        if joint.drive is None:
+            continue
+        what = f"the drive of joint {joint.name!r}"
+        value = _scalar(joint.drive, False, what)
+        terms.append(
+            LoadTerm(
+                6, np.array([n + j]), np.ones((1, 1)), lambda t, f=value: np.array([f(t), 0.0, 0.0]), False,
+                callable(joint.drive), what,
+            )
+        )  # fmt: skip
+    return terms
+
+
+def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array, Array]]) -> tuple[LoadTerm, ...]:
     terms: list[LoadTerm] = []
     for load in model.loads:
+        if isinstance(load, Pressure):
+            nodes, weights, directors = spread[load.rod]
+            side = directors[:, :, int(load.along[-1]) - 1] * (-1.0 if load.along.startswith("-") else 1.0)
+            what = f"the pressure on rod {load.rod!r}"
+            value = _number_function(load.value, what)
+            terms.append(
+                LoadTerm(6, nodes, load.width * weights * side, value, load.constant, callable(load.value), what)
+            )
+            continue
         if isinstance(load, Gravity):
             over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
-            over += [(np.array([names[body.node]]), np.array([body.mass])) for body in model.bodies]
+            over += [(np.array([names[body.node]]), np.array([[body.mass]])) for body in model.bodies]
             what, first = "gravity", 0
         elif isinstance(load, Distributed):
-            over, what, first = [spread[load.rod]], f"the distributed load on rod {load.rod!r}", 0
+            over, what = [spread[load.rod][:2]], f"the distributed load on rod {load.rod!r}"
+            first = 6 if load.follower else 0
         else:
             kind = "force" if isinstance(load, Force) else "moment"
-            over, what = [(np.array([names[load.node]]), np.ones(1))], f"the {kind} on node {load.node!r}"
+            over, what = [(np.array([names[load.node]]), np.ones((1, 1)))], f"the {kind} on node {load.node!r}"
             first = (0 if kind == "force" else 3) + (6 if load.follower else 0)
         value = _as_function(load.value, False, what)
         terms += [LoadTerm(first, nodes, w, value, load.constant, callable(load.value), what) for nodes, w in over]

@@ -6,10 +6,13 @@ from typing import Literal
 
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
+from directrix.diagnosis import refuse, without_inertia
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
+from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
@@ -78,6 +81,11 @@ def simulate(
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
     newton = Newton(disc, scheme, Settings(tolerance))
+    newton.driver.place(t0, 1.0)
+    newton.driver.shift()
+    place_supports(disc, x, t0)
+    refuse_joints(newton, x, fresh=start is None or start.kind == "static")
+    refuse(without_inertia(newton, x))
     external = disc.external(t0)
     ends = scheme.rates is Rates.ALPHA
     if ends and not has_history(start, scheme):
@@ -101,12 +109,16 @@ def simulate(
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
+            if newton.driver.varies and ends:
+                newton.driver.place(t, 1.0)
+            elif newton.driver.varies:
+                newton.driver.act(before, t, load_rule)
             newton.begin(x)
-            moved = bool(disc.prescribed) and place_supports(disc, x, t)
+            moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)
             recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
-                failed = outcome.status
+                failed = explained(newton, newton.start, outcome.status, static=False)
                 status = Status(
                     failed.code,
                     f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}",

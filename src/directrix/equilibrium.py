@@ -44,8 +44,19 @@ class Linearised:
         if about is not None and not about.success:
             raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
         self.model, self.scheme = model, AT_REST
-        self.undamped = _without_damping(model if dynamic else _with_mass(model))
-        self.disc: Discretisation = discretise(self.undamped, self.scheme)
+        if not dynamic and (model.actuations or model.tendons):
+            raise ModelError(
+                "linearised buckling does not know what actuation and tendons do in first order",
+                "follow the path with solve_static and a control, and look at modes about its states",
+            )
+        if model.joints:
+            raise ModelError(
+                f"joint {model.joints[0].name!r}: vibration and buckling have no form for joints yet",
+                "give nodes that are joined rigidly one name, or use stiff springs",
+            )
+        disc = discretise(_without_damping(model if dynamic else _with_mass(model)), self.scheme)
+        self.factor = 0.0 if about is None else float(about.load_factor[-1])
+        self.disc: Discretisation = disc.driven_at(self.factor, self.factor)
         self.newton = Newton(self.disc, self.scheme, Settings())
         self.conservative = not_conservative(self.newton)
         if np.any(self.disc.external(1.0)[:, 6:]):
@@ -86,7 +97,7 @@ class Linearised:
         n = self.disc.nodes
         for sign in (1.0, -1.0):
             x = self.x.copy()
-            kernel.move(sign * size * step, x, False, False, np.inf)
+            kernel.move(sign * size * step, self.disc.nodes, x, False, False, np.inf)
             strains.append(self.newton.books(x).strains.copy())
             turned = x[:n, 3:12].reshape(1, n, 3, 3).transpose(0, 1, 3, 2)
             states = self.disc.link_states(x[None, :n, :3], turned)
@@ -106,7 +117,7 @@ class Linearised:
 
     def damping(self) -> csc_matrix:
         """C of M q̈ + C q̇ + K q = 0, from the viscous part of a midpoint step that goes nowhere."""
-        disc = discretise(self.model, MIDPOINT)
+        disc = discretise(self.model, MIDPOINT).driven_at(self.factor, self.factor)
         return _coefficient(Hessian(Newton(disc, MIDPOINT, Settings())), self.x[: disc.nodes].copy())
 
     def moved(self, direction: int) -> Array:

@@ -55,9 +55,9 @@ def form_find(
 ) -> Result:
     """The stable equilibrium that the model falls into under its whole loads and prescribed values.
 
-    Loads act at once; supports go where they are prescribed in ten parts (at once from a ``start``), and the model falls
-    after each of them. For cables that hang, nets that are pulled tight, and other shapes that a straight or slack start
-    is far from.
+    Loads act at once; supports go where they are prescribed in ten parts (at once from a ``start``), and the model
+    falls after each of them. For cables that hang, nets that are pulled tight, and other shapes that a straight or
+    slack start is far from.
 
     Parameters
     ----------
@@ -94,12 +94,14 @@ def form_find(
         raise ModelError(f"there is no energy to fall: {why}", "use solve_static for such loads")
     x = initial_state(disc, start, scheme)
     loads = disc.external(1.0)
+    newton.driver.place(1.0, 1.0)
+    newton.driver.shift()
     watch, _ = watch_for(newton, True, None)
     assert watch is not None
     recorder = Recorder(disc, "static")
     ledger = StaticBooks(disc, newton.books(x))
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, newton.books(x), ledger.flows)
-    counts = [watch.pivots(x)]
+    counts = [watch.pivots(x, 1.0)]
     fall = _Fall(newton, loads)
     report = reporting(progress)
     status, taken = None, 0
@@ -117,7 +119,7 @@ def form_find(
             if outcome.status is not None:
                 status = outcome.status
                 break
-            if not watch.pivots(x):
+            if not watch.pivots(x, 1.0):
                 status = Status("done", f"a stable equilibrium after {taken} iterations of relaxation.")
                 break
             fall.nudge(x)  # an equilibrium, but one that the start is symmetric about: off it, and down again
@@ -131,7 +133,7 @@ def form_find(
     books = newton.finish(x, newton.applied(x, loads).copy())
     ledger.add(books, x[: disc.nodes, :3])
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, books, ledger.flows)
-    counts.append(watch.pivots(x))
+    counts.append(watch.pivots(x, 1.0))
     info = {
         "formulation": "Directors()", "tolerance": tolerance, "control": "form finding", "relaxation": taken,
         "element": repr(scheme.element),
@@ -187,7 +189,7 @@ class _Fall:
             found[place] = splu(csc_matrix(hessian.matrix(x)[place][:, place])).solve(off)
         except RuntimeError:  # a link alone does not hold a position
             return
-        kernel.move(hessian.increment(found), x, True, False, np.inf)
+        kernel.move(hessian.increment(found), self.disc.nodes, x, True, False, np.inf)
 
     def energy(self, x: Array) -> tuple[float, float]:
         """Stored energy less the work that the loads can do, and the size of what was added up."""
@@ -211,7 +213,7 @@ class _Fall:
                 found = splu(csc_matrix(stiffness + diags(fluid / self.pace))).solve(off)
             except RuntimeError:  # singular
                 found = np.zeros_like(off)
-            _, turned, bad = kernel.move(hessian.increment(found), x, False, False, LARGEST_TURN)
+            _, turned, bad = kernel.move(hessian.increment(found), self.disc.nodes, x, False, False, LARGEST_TURN)
             after = self.energy(x)
             noise = ROUND_OFF * (before[1] + after[1])
             if bad < 0 and np.any(found) and off @ found >= 0.0 and after[0] <= before[0] + noise:
@@ -230,4 +232,4 @@ class _Fall:
         found = nearest_zero(matrix, negative_pivots(matrix) + 1)
         mode = self.hessian.increment(found.vectors[:, 0])
         size = max(float(np.abs(mode[:, 3:]).max()), float(np.abs(mode[:, :3]).max()) / self.disc.length)
-        kernel.move(NUDGE / size * mode, x, False, False, LARGEST_TURN)
+        kernel.move(NUDGE / size * mode, self.disc.nodes, x, False, False, LARGEST_TURN)

@@ -3,26 +3,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.actuators import Drag
 from directrix.basis import gauss, lagrange
 from directrix.errors import ModelError
-from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement
+from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement, TendonElement
+from directrix.formulations.director_acceleration import DirectorAcceleration
+from directrix.formulations.directors import DirectorStep
 from directrix.formulations.element import Committed, Element
 from directrix.formulations.layout import Layout
 from directrix.model import Model, Rod
+from directrix.result import RodMesh
 from directrix.rotations import smallest_rotation
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Group", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rod", "parameters_of"]
+__all__ = [
+    "Group", "Route", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rod", "parameters_of", "routes_of",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,8 +36,10 @@ class Group:
     """Elements that share one kernel: ``conn`` (ne, nn) nodes, ``parameters`` (ne, size),
     ``station`` (ne,) index of their first stress point, ``history`` (ne, 12 rows) in the reference.
 
-    What is attached to rods has ``names``; it is ``lossy`` when it dissipates by itself, ``grounded`` when the ground
-    holds its other end.
+    What is attached to rods has ``names``, elements of rods have the names of their rods in ``owners``. A group is
+    ``lossy`` when it dissipates by itself, ``works`` when it brings in work, ``grounded`` when the ground holds its
+    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes of a
+    ``jointed`` one are rows of multipliers.
     """
 
     element: Element
@@ -43,6 +51,15 @@ class Group:
     names: tuple[str, ...] = ()
     lossy: bool = False
     grounded: bool = False
+    works: bool = False
+    owners: tuple[str, ...] = ()
+    condensed: bool = True
+    jointed: bool = False
+
+    @property
+    def in_pattern(self) -> Ints:
+        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 
 def _boundaries(rod: Rod) -> tuple[Array, list[str]]:
@@ -97,7 +114,7 @@ def mesh_rod(rod: Rod) -> _RodArrays:
 
 
 def parameters_of(
-    rod: Rod, layout: Layout, element: Element, r: Array, directors: Array, lumped: bool
+    rod: Rod, layout: Layout, element: Element, r: Array, directors: Array, lumped: bool, drag: Drag | None = None
 ) -> tuple[Array, Array, Array]:
     """Element parameters (ne, size) in the order of :class:`Layout`, ∫N_a dS (ne, nn), history (ne, 12 rows).
 
@@ -136,11 +153,14 @@ def parameters_of(
         np.broadcast_to(masses, (ne, len(masses))),
         np.broadcast_to(damping, (ne, len(damping))),
         jm if layout.sampled else np.zeros((ne, 0)),
+        np.zeros((ne, layout.sizes[8])),
     ]
+    if drag is not None:
+        table += [np.broadcast_to([drag.normal, drag.tangential], (ne, 2)), jm, np.zeros((ne, 6))]
     return np.concatenate(table, axis=1), weights, history
 
 
-def layout_of(rod: Rod, nn: int, element: Element) -> Layout:
+def layout_of(rod: Rod, nn: int, element: Element, model: Model) -> Layout:
     """What kind of element a rod has."""
     section = rod.section
     c, viscous, inertia = section.stiffness, section.damping, section.I_rho
@@ -148,7 +168,31 @@ def layout_of(rod: Rod, nn: int, element: Element) -> Layout:
     damping = "none"
     if np.any(viscous):
         damping = "full" if np.any(viscous - np.diag(np.diag(viscous))) else "principal"
-    return Layout(nn, rod.points or rod.order, principal, damping, section.law, element.sampled)
+    return Layout(
+        nn, rod.points or rod.order, principal, damping, section.law, element.sampled,
+        any(a.rod == rod.name for a in model.actuations), any(d.rod == rod.name for d in model.drags),
+    )  # fmt: skip
+
+
+class Route(NamedTuple):
+    """A tendon on the mesh: nodes (k,), and from each to its point in the reference (k, 3)."""
+
+    nodes: Ints
+    offsets: Array
+
+
+def routes_of(model: Model, names: dict[str, int], rods: Sequence[RodMesh]) -> dict[str, Route]:
+    """Where the tendons of a model go."""
+    out: dict[str, Route] = {}
+    for tendon in model.tendons:
+        if not isinstance(tendon.along, str):
+            out[tendon.name] = Route(np.array([names[n] for n in tendon.along]), np.array(tendon.offset))
+            continue
+        (rod,) = (r for r in rods if r.name == tendon.along)
+        ends = slice(None, None, rod.order)
+        across = np.array([tendon.across(float(s / rod.s[-1])) for s in rod.s[ends]])
+        out[tendon.name] = Route(rod.nodes[ends], np.einsum("kij,kj->ki", rod.directors[ends, :, :2], across))
+    return out
 
 
 def lumped_at_nodes(n: int, groups: Sequence[Group], model: Model, names: dict[str, int]) -> Array:
@@ -178,8 +222,13 @@ def lumped_at_nodes(n: int, groups: Sequence[Group], model: Model, names: dict[s
     return out
 
 
-def attached_groups(model: Model, scheme: Scheme, names: dict[str, int], r0: Array) -> tuple[Group, ...]:
-    """Links and bodies as elements of their own; raises ModelError for what the scheme has no form for."""
+def attached_groups(
+    model: Model, scheme: Scheme, names: dict[str, int], r0: Array, routes: Mapping[str, Route]
+) -> tuple[Group, ...]:
+    """Links, tendons and bodies as elements of their own; raises ModelError for what the scheme has no form for.
+
+    ``routes`` are the nodes and offsets of the tendons.
+    """
     groups: list[Group] = []
     places = {name: r0[k] for name, k in names.items()}
     for grounded, cable in ((True, False), (False, False), (True, True), (False, True)):
@@ -204,6 +253,12 @@ def attached_groups(model: Model, scheme: Scheme, names: dict[str, int], r0: Arr
                 not scheme.static and scheme.rates is not Rates.ALPHA and any(k.damping for k in links), grounded,
             )
         )  # fmt: skip
+    if model.tendons:
+        segments = [(name, route, k) for name, route in routes.items() for k in range(len(route.nodes) - 1)]
+        ends = np.array([route.nodes[k : k + 2] for _, route, k in segments])
+        offsets = np.array([[*route.offsets[k], *route.offsets[k + 1], 0.0, 0.0] for _, route, k in segments])
+        labels = tuple(f"tendon {name!r}" for name, _, _ in segments)
+        groups.append(_attached(TendonElement(scheme.rates), ends, offsets, labels, works=True))
     if model.bodies and scheme.rates is Rates.SPIN:
         raise ModelError(
             f"the body on node {model.bodies[0].node!r} has no form in SimoTarnowDoblare()",
@@ -217,11 +272,28 @@ def attached_groups(model: Model, scheme: Scheme, names: dict[str, int], r0: Arr
     return tuple(groups)
 
 
+def refuse_driven(model: Model, scheme: Scheme) -> None:
+    """Raise ModelError for actuation, drag and tendons that the scheme has no form for."""
+    interpolated = isinstance(scheme.element, (DirectorStep, DirectorAcceleration))
+    why = "which carries rotations of its own at the stress points" if not interpolated else ""
+    for what, wanted in (
+        *((f"actuation of rod {a.rod!r}", interpolated) for a in model.actuations),
+        *((f"drag on rod {d.rod!r}", interpolated and scheme.rates is not Rates.ALPHA) for d in model.drags),
+        *((f"tendon {t.name!r}", interpolated) for t in model.tendons),
+    ):
+        if not wanted:
+            reason = why or "which balances at the end of a step and has no exact form for it"
+            raise ModelError(
+                f"the {what} has no form in this scheme, {reason}",
+                "use interpolated directors, in motion with a step of the midpoint family, e.g. dx.EnergyMomentum()",
+            )
+
+
 def _attached(
-    element: LinkElement | BodyElement, conn: Ints, parameters: Array, names: tuple[str, ...], lossy: bool = False,
-    grounded: bool = False,
+    element: LinkElement | BodyElement | TendonElement, conn: Ints, parameters: Array, names: tuple[str, ...],
+    lossy: bool = False, grounded: bool = False, works: bool = False,
 ) -> Group:  # fmt: skip
     count = len(conn)
     layout = AttachedLayout(conn.shape[1], 0, True, parameters=parameters.shape[1])
     nothing: Ints = np.zeros(count, np.int64)
-    return Group(element, layout, conn, parameters, nothing, np.zeros((count, 0)), names, lossy, grounded)
+    return Group(element, layout, conn, parameters, nothing, np.zeros((count, 0)), names, lossy, grounded, works)

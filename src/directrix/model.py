@@ -3,27 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.curves import Curve
 from directrix.errors import ModelError
+from directrix.findings import Finding, remarks
+from directrix.joints import Joint
 from directrix.section import Section
 
 VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
+OPTIONS = tuple(f.name for f in fields(Joint))[4:]  # behind name, kind, nodes
 
 __all__ = [
-    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Prescribed", "RigidVelocity", "Rod", "Support",
-    "Vec", "VecOrFn", "Velocity",
+    "DOFS", "Distributed", "Force", "Gravity", "Model", "Moment", "Node", "Prescribed", "Pressure", "RigidVelocity",
+    "Rod", "Support", "Vec", "VecOrFn", "Velocity",
 ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node that is on no rod: bodies, links and joints attach to it."""
+
+    name: str
+    at: Vec
 
 
 @dataclass(frozen=True)
@@ -86,10 +98,23 @@ class Moment:
 
 @dataclass(frozen=True)
 class Distributed:
-    """Dead force per unit reference length of a rod, global frame."""
+    """Dead force per unit reference length of a rod, global frame; with ``follower`` it turns with the sections, and
+    its components are those in the reference."""
 
     rod: str
     value: VecOrFn
+    constant: bool = False
+    follower: bool = False
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure on one side of a rod: the force ``value`` · ``width`` per unit reference length along a director."""
+
+    rod: str
+    value: float | Callable[[float], ArrayLike]
+    width: float = 1.0
+    along: str = "d1"
     constant: bool = False
 
 
@@ -119,7 +144,8 @@ class RigidVelocity:
     about: Vec = (0.0, 0.0, 0.0)
 
 
-Load = Force | Moment | Distributed | Gravity
+Load = Force | Moment | Distributed | Gravity | Pressure
+SIDES = ("d1", "d2", "-d1", "-d2")
 
 
 def _value(value: Any, what: str) -> VecOrFn:
@@ -141,6 +167,22 @@ class Model:
     velocities: tuple[Velocity | RigidVelocity, ...] = ()
     links: tuple[Link, ...] = ()
     bodies: tuple[Body, ...] = ()
+    actuations: tuple[Actuation, ...] = ()
+    drags: tuple[Drag, ...] = ()
+    tendons: tuple[Tendon, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    nodes: tuple[Node, ...] = ()
+
+    def node(self, name: str, at: Any) -> Self:
+        """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
+
+        What moves of it in dynamics needs mass, or a joint, link or support that says how. Raises ModelError for a name
+        that is taken or a place that is none.
+        """
+        name = text(name, "name of a node")
+        if any(other.name == name for other in self.nodes):
+            raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
+        return replace(self, nodes=(*self.nodes, Node(name, vector(at, f"place of node {name!r}"))))
 
     def rod(
         self,
@@ -268,16 +310,27 @@ class Model:
         )
         return replace(self, loads=(*self.loads, new))
 
-    def distributed(self, rod: str, f: Any, *, constant: bool = False) -> Self:
-        """Dead force per unit reference length of a rod: a vector or a function of time."""
+    def distributed(self, rod: str, f: Any, *, constant: bool = False, follower: bool = False) -> Self:
+        """Force per unit reference length of a rod: a vector or a function of time.
+
+        Dead, or with ``follower`` turning with the sections: R f, R their rotation from the reference.
+        """
         rod = text(rod, "name of a rod")
-        return replace(
-            self,
-            loads=(
-                *self.loads,
-                Distributed(rod, _value(f, f"distributed load on rod {rod!r}"), flag(constant, "constant")),
-            ),
-        )
+        value = _value(f, f"distributed load on rod {rod!r}")
+        new = Distributed(rod, value, flag(constant, "constant"), flag(follower, "follower"))
+        return replace(self, loads=(*self.loads, new))
+
+    def pressure(self, rod: str, p: Any, *, width: float = 1.0, along: str = "d1", constant: bool = False) -> Self:
+        """Pressure on one side of a rod, a number or a function of time: p · ``width`` per unit reference length.
+
+        The force pushes ``along`` a director, "d1", "d2", "-d1" or "-d2", and follows the section.
+        """
+        rod = text(rod, "name of a rod")
+        value = numbers(p, 1, f"pressure on rod {rod!r}")
+        number(width, f"width of the pressure on rod {rod!r}", above=0.0)
+        choice(along, "direction of a pressure", SIDES)
+        new = Pressure(rod, value, float(width), along, flag(constant, "constant"))
+        return replace(self, loads=(*self.loads, new))
 
     def gravity(self, g: Any, *, constant: bool = False) -> Self:
         """Acceleration of gravity: a vector or a function of time."""
@@ -307,16 +360,164 @@ class Model:
         made = Link(self._link_name(name), a, b, stiffness, length, damping, offset_a, offset_b, True, width)
         return self._link(made)
 
+    def actuate(
+        self, rod: str, *, curvature: Any = None, twist: Any = None, elongation: Any = None, strain: Any = None,
+        along: bool = False,
+    ) -> Self:  # fmt: skip
+        """Change the strain at which a rod is without stress, as muscles and swelling do; see :class:`Actuation`.
+
+        ``curvature`` (bending 1, bending 2), ``twist``, ``elongation`` or all six as ``strain``: values, or functions
+        of t, with ``along`` of (t, s).
+        """
+        new = Actuation(rod, curvature, twist, elongation, strain, along)
+        if any(other.rod == new.rod for other in self.actuations):
+            raise ModelError(f"rod {rod!r} is actuated twice", "give one actuation, their sum if that is meant")
+        return replace(self, actuations=(*self.actuations, new))
+
+    def tendon(
+        self, along: str | Iterable[str], tension: Any, *, offset: Any = (0.0, 0.0), name: str | None = None,
+        constant: bool = False,
+    ) -> Self:  # fmt: skip
+        """A tendon along a rod, or from node to node, with a tension that is a number or a function of time.
+
+        See :class:`Tendon`.
+        """
+        name = f"tendon{len(self.tendons) + 1}" if name is None else name
+        new = Tendon(name, along if isinstance(along, str) else tuple(along), tension, offset, constant)
+        if any(other.name == new.name for other in self.tendons):
+            raise ModelError(f"there are two tendons called {name!r}", "give each tendon a name of its own")
+        return replace(self, tendons=(*self.tendons, new))
+
+    def drag(
+        self, rod: str, normal: float, tangential: float = 0.0, *, flow: Any = (0.0, 0.0, 0.0), constant: bool = False
+    ) -> Self:
+        """Quadratic drag of a fluid on a rod; ``flow`` is the fluid's velocity, a vector or a function of time.
+
+        See :class:`Drag`.
+        """
+        new = Drag(rod, normal, tangential, flow, constant)
+        if any(other.rod == new.rod for other in self.drags):
+            raise ModelError(f"rod {rod!r} has two drags", "give one, their sum if that is meant")
+        return replace(self, drags=(*self.drags, new))
+
     def point_mass(self, node: str, m: float) -> Self:
         """A mass on a node."""
         return self.rigid_body(node, m, np.zeros((3, 3)))
 
-    def rigid_body(self, node: str, mass: float, inertia: ArrayLike) -> Self:
-        """A rigid body on a node, its centre of mass there; ``inertia`` (3, 3) about it, in the reference frame."""
+    def rigid_body(self, node: str, mass: float, inertia: ArrayLike, *, offset: Any = None) -> Self:
+        """A rigid body on a node; ``inertia`` (3, 3) about its centre of mass, in the reference frame.
+
+        The centre of mass is at the node, or ``offset`` from it: then at a node "<node>.body" of its own, in a rigid
+        joint of that name. Raises ModelError for a mass or an inertia that no body has, and for a second body on it.
+        """
+        node = text(node, "node of a body")
+        if offset is not None:
+            arm, own = np.array(vector(offset, f"offset of the body on node {node!r}")), f"{node}.body"
+            places = self._places()
+            if node not in places:
+                raise ModelError(
+                    f"there is no node {node!r} for the body",
+                    f"{nearest(node, places)}add rods and nodes before a body that is off its node",
+                )
+            apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
+            return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
         body = Body(node, mass, np.asarray(inertia))
         if any(other.node == node for other in self.bodies):
             raise ModelError(f"node {node!r} has two bodies", "give one, their sum if that is meant")
         return replace(self, bodies=(*self.bodies, body))
+
+    def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
+        """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far.
+
+        Raises ModelError as :meth:`hinge`.
+        """
+        return self._joint(name, "rigid", a, b)
+
+    def spherical(self, a: str, b: str | None = None, *, name: str | None = None, **options: Any) -> Self:
+        """A ball joint: all turning is free.
+
+        ``options``: ``at``, ``stiffness`` (moment per angle) against any relative rotation, ``damping`` (moment per
+        relative spin); see :meth:`hinge`, also for what is raised.
+        """
+        return self._joint(name, "spherical", a, b, **options)
+
+    def hinge(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """A hinge between node ``a`` and node ``b``, or ``a`` and the ground.
+
+        Its angle q [rad] is that of ``b`` relative to ``a`` (of ``a`` relative to the ground) about the axis, zero in
+        the reference, any number of turns. Constraints hold at the end of every step, their multipliers do no work
+        (Betsch & Steinmann 2002; Betsch & Leyendecker 2006).
+
+        Parameters
+        ----------
+        a, b
+            Names of its nodes.
+        axis
+            Its direction in the reference; turns with ``a``.
+        name
+            Its name; "joint1", "joint2", … by default.
+        options
+            ``at``: its place in the reference; that of ``b`` (of ``a`` on the ground) by default.
+            ``stiffness``, ``rest``: a spring, ½ stiffness (q − rest)²; moment per angle, and an angle.
+            ``damping``: moment per rate of q, in dynamics.
+            ``drive``: a moment that pushes q up, a number or a function of time (statics: times the load factor).
+            ``prescribed``: q, a number or a function of time (statics: of the load factor; a number ramps with it).
+            ``stops``: (lower, upper) angles, beyond which springs of ``stop_stiffness`` act, the change smooth over
+            ``stop_width``, a thousandth of the way between them by default.
+
+        Raises
+        ------
+        ModelError
+            A value cannot be right, two things act on q that exclude each other, or the name is taken. Joints that
+            hold what others or supports hold already are found when a run starts.
+        """
+        return self._joint(name, "hinge", a, b, axis=axis, **options)
+
+    def universal(
+        self, a: str, b: str | None = None, *, axes: tuple[Vec, Vec], name: str | None = None, **options: Any
+    ) -> Self:
+        """A universal (Cardan) joint: its perpendicular ``axes`` stay so, the first on ``a``, the second on ``b``.
+
+        ``options`` as for :meth:`spherical`; raises ModelError as :meth:`hinge`.
+        """
+        try:
+            first, second = axes
+        except (TypeError, ValueError):
+            raise ModelError(f"axes = {shown(axes)} are not two vectors", "give axes=(u, v)") from None
+        return self._joint(name, "universal", a, b, axis=first, second=second, **options)
+
+    def cylindrical(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """``b`` slides along and turns about the line through the joint along ``axis``, which ``a`` carries.
+
+        ``options`` as for :meth:`hinge`, on the displacement along the axis: forces for moments, lengths for angles.
+        Raises ModelError as it does.
+        """
+        return self._joint(name, "cylindrical", a, b, axis=axis, **options)
+
+    def slider(self, a: str, b: str | None = None, *, axis: Vec, name: str | None = None, **options: Any) -> Self:
+        """``b`` slides along ``axis``, which ``a`` carries, and does not turn against ``a``.
+
+        ``options`` as for :meth:`cylindrical`; raises ModelError as :meth:`hinge`.
+        """
+        return self._joint(name, "slider", a, b, axis=axis, **options)
+
+    def planar(self, a: str, b: str | None = None, *, normal: Vec, name: str | None = None, at: Any = None) -> Self:
+        """``b`` moves in the plane through the joint with ``normal``, which ``a`` carries, and turns about it.
+
+        Nothing acts on its freedom but links and loads. Raises ModelError as :meth:`hinge`.
+        """
+        return self._joint(name, "planar", a, b, axis=normal, at=at)
+
+    def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
+        name = text(f"joint{len(self.joints) + 1}" if name is None else name, "name of a joint")
+        if any(other.name == name for other in self.joints):
+            raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
+        for key in options:
+            if key not in OPTIONS:
+                raise ModelError(
+                    f"joint {name!r}: there is no {key}=", f"{nearest(key, OPTIONS)}use {', '.join(OPTIONS)}"
+                )
+        return replace(self, joints=(*self.joints, Joint(name, kind, a, b, **options)))
 
     def _link_name(self, name: str | None) -> str:
         return f"link{len(self.links) + 1}" if name is None else name
@@ -339,13 +540,14 @@ class Model:
         new = RigidVelocity(*(vector(x, k) for k, x in (("v", v), ("omega", omega), ("about", about))))
         return replace(self, velocities=(*self.velocities, new))
 
-    def check(self, *, static: bool = False, dynamic: bool = False) -> None:
-        """Look at the whole; raises ModelError for the first thing that cannot be right.
+    def check(self, *, static: bool = False, dynamic: bool = False, meshed: bool = True) -> tuple[Finding, ...]:
+        """Look at the whole; raises ModelError for the first thing that cannot be right, and returns what may be wrong.
 
-        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod.
+        ``static`` and ``dynamic`` also ask for what these need: supports for every part, mass for every rod. Without
+        ``meshed`` what takes a mesh is left out: whether parts can move although something holds them.
         """
-        if not self.rods:
-            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...)")
+        if not self.rods and not self.nodes:
+            raise ModelError(f"{self.name}: there is no rod", "add one with .rod(curve, section, ...), or a .node(...)")
         places = self._places()
         self._known(places)
         self._values()
@@ -358,8 +560,6 @@ class Model:
                             f"node {given.node!r} is held in {dof} and has an initial velocity there",
                             "remove one of them (a prescribed motion moves the node by itself)",
                         )
-        if static:
-            self._supported(held)
         if dynamic:
             for rod in self.rods:
                 if rod.section.A_rho == 0.0:
@@ -369,15 +569,22 @@ class Model:
                         f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
                         "give its section I_rho1= and I_rho2=",
                     )
+        said = remarks(self, static=static) if static or dynamic else ()
+        if not (static and meshed):
+            return said
+        from directrix.diagnosis import examine_model, refuse  # it needs the solvers
+
+        return *refuse(examine_model(self)), *said
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
         said = [a for rod in self.rods for a in rod.section.assumptions]
         places = list(self._places().items())
         size = self._size([p for _, p in places])
+        joined = {frozenset(joint.nodes) for joint in self.joints}
         for k, (a, p) in enumerate(places):
             for b, q in places[k + 1 :]:
-                if np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
+                if frozenset((a, b)) not in joined and np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
                     said.append(
                         f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them"
                     )
@@ -396,17 +603,18 @@ class Model:
 
     def _places(self) -> dict[str, Any]:
         """Where the named nodes are; refuses one name at two places."""
-        found: dict[str, tuple[Any, str]] = {}
+        found: dict[str, tuple[Any, str]] = {node.name: (np.array(node.at), "") for node in self.nodes}
         ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
         points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
-        size = self._size(points)
+        size = self._size([*points, *(point for point, _ in found.values())])
         for (rod, name, _), point in zip(ends, points, strict=True):
             if name in found:
                 other, owner = found[name]
                 gap = float(np.linalg.norm(point - other))
                 if gap > SAME_PLACE * size:
+                    first = f"on rod {owner!r}" if owner else "by itself"
                     raise ModelError(
-                        f"node {name!r} is at {_show(other)} on rod {owner!r} and at {_show(point)} "
+                        f"node {name!r} is at {_show(other)} {first} and at {_show(point)} "
                         f"on rod {rod.name!r}, {gap:.3g} apart",
                         "give the ends the same position, or different names",
                     )
@@ -420,16 +628,22 @@ class Model:
         about += [("initial velocity", v.node) for v in self.velocities if isinstance(v, Velocity)]
         about += [(f"link {k.name!r}", node) for k in self.links for node in (k.a, k.b) if isinstance(node, str)]
         about += [("body", body.node) for body in self.bodies]
+        about += [(f"joint {joint.name!r}", node) for joint in self.joints for node in joint.nodes]
+        for tendon in self.tendons:
+            about += [(f"tendon {tendon.name!r}", n) for n in tendon.along if not isinstance(tendon.along, str)]
         for what, node in about:
             if node not in places:
                 raise ModelError(
                     f"there is no node {node!r} for the {what}",
                     f"{nearest(node, places)}nodes are {', '.join(places)}",
                 )
-        for load in self.loads:
-            if isinstance(load, Distributed):
-                self._rod(load.rod)
-        if any(isinstance(load, Gravity) for load in self.loads) and not any(r.section.A_rho for r in self.rods):
+        rods = [load.rod for load in self.loads if isinstance(load, (Distributed, Pressure))]
+        rods += [a.rod for a in self.actuations] + [d.rod for d in self.drags]
+        for name in (*rods, *(t.along for t in self.tendons if isinstance(t.along, str))):
+            self._rod(name)
+        if any(isinstance(load, Gravity) for load in self.loads) and not (
+            self.bodies or any(r.section.A_rho for r in self.rods)
+        ):
             raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
 
     def _values(self) -> None:
@@ -440,18 +654,24 @@ class Model:
                 (f"prescribed {k} of node {p.node!r}", v)
                 for k, v in (("displacement", p.displacement), ("rotation", p.rotation))
             ]
+        for joint in self.joints:
+            for key, given in (("prescribed", joint.prescribed), ("drive", joint.drive)):
+                if callable(given):
+                    number(_called(given, f"{key} of joint {joint.name!r}"), f"{key} of joint {joint.name!r} at t = 0")
         for load in self.loads:
+            if isinstance(load, Pressure):
+                if callable(load.value):
+                    value_at(load.value, 1, f"the pressure on rod {load.rod!r}", 0.0)
+                continue
             place = "" if isinstance(load, Gravity) else load.rod if isinstance(load, Distributed) else load.node
             tried.append((f"{type(load).__name__.lower()} {place!r}" if place else "gravity", load.value))
         for what, value in tried:
             if callable(value):
-                try:
-                    out = value(0.0)
-                except Exception as error:  # whatever a user's function raises
-                    raise ModelError(
-                        f"{what}: the function fails at t = 0: {error!r}", "it is called with one number"
-                    ) from error
-                vector(out, f"{what} at t = 0")
+                vector(_called(value, what), f"{what} at t = 0")
+        for driven in (*self.drags, *self.tendons):
+            driven.at(0.0, 1.0)
+        for actuation in self.actuations:
+            actuation.at(0.0, 1.0, np.zeros(1))
 
     def _held(self) -> dict[str, set[str]]:
         """Held components of every node; refuses a component that is held twice."""
@@ -471,28 +691,13 @@ class Model:
             held[node] |= set(dofs)
         return held
 
-    def _supported(self, held: Mapping[str, set[str]]) -> None:
-        """Statics: every connected part needs a support."""
-        part = {name: name for rod in self.rods for name in rod.names}
 
-        def root(name: str) -> str:
-            while part[name] != name:
-                name = part[name]
-            return name
-
-        for rod in self.rods:
-            for name in rod.names[1:]:
-                part[root(name)] = root(rod.names[0])
-        for link in self.links:
-            if isinstance(link.b, str):
-                part[root(link.a)] = root(link.b)
-        good = {root(name) for name in held} | {root(k.a) for k in self.links if not isinstance(k.b, str)}
-        for rod in self.rods:
-            if root(rod.ends[0]) not in good:
-                raise ModelError(
-                    f"rod {rod.name!r} and what is joined to it has no support and can move as a rigid body",
-                    "add .clamp, .pin or .fix, or use dx.simulate",
-                )
+def _called(value: Any, what: str) -> Any:
+    """``value`` at t = 0."""
+    try:
+        return value(0.0)
+    except Exception as error:  # whatever a user's function raises
+        raise ModelError(f"{what}: the function fails at t = 0: {error!r}", "it is called with one number") from error
 
 
 def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from directrix.checks import number
 from directrix.discretisation import Discretisation
+from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.kernels import step as kernel
+from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.sparse import BlockSparse
 from directrix.result import Status
@@ -57,8 +59,9 @@ class Outcome(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (9,) as in the kernels, strains, reactions,
-    loads as they acted (n, 6), force and moment of the ground through links (6,)."""
+    """What :meth:`Newton.finish` books for a step: totals (11,) and flow (10,) as in the kernels, strains, reactions,
+    loads as they acted (n, 6), force and moment on elements from outside (6,), what joints do (joints, ≥ 6); by source
+    what was dissipated and the work done on elements; the largest force and moment of an element."""
 
     totals: Array
     flow: Array
@@ -66,6 +69,10 @@ class Books(NamedTuple):
     reaction: Array
     applied: Array
     ground: Array
+    joints: Array
+    taken: Array
+    done: Array
+    scale: Array
 
 
 class Newton:
@@ -78,8 +85,9 @@ class Newton:
         self.disc, self.scheme, self.settings = disc, scheme, settings
         self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
         self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         # the compiled loops read 0/1
-        self.mask = disc.fixed.astype(np.uint8)
+        self.mask = disc.held.astype(np.uint8)
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
@@ -89,6 +97,8 @@ class Newton:
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
         self.family: Family | None = None
+        self.start: Array = np.zeros((0, 40))
+        """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
 
     def loads(self, factor: float) -> Array:
@@ -115,15 +125,19 @@ class Newton:
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
         first, at the rotations as they are.
         """
-        start = x.copy()
+        self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
-        if not self.scheme.static:  # a time step cannot be cut: it is tried again with other damping
+        # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
+        # iteration may solve for, do not always have the freedom to close joints
+        jointed = bool(self.disc.model.joints)
+        if not self.scheme.static or jointed:
+            again_for = ("not_converged", "singular") if jointed else ("not_converged",)
             for turn in (self.settings.largest_turn, 0.1):
-                if outcome.status is None or outcome.status.code != "not_converged":
+                if outcome.status is None or outcome.status.code not in again_for:
                     break
                 x[:] = start
                 self.options[4], self.options[7] = turn, 0.0
-                again = self._iterate(self.tables, x, external, moved)
+                again = self._iterate(self.tables, x, external, moved and not jointed)
                 outcome = Outcome(outcome.iterations + again.iterations, again.status)
                 self.options[4], self.options[7] = self.settings.largest_turn, 1.0
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
@@ -146,7 +160,7 @@ class Newton:
         """What a code of the kernels and the node to blame mean; None for convergence."""
         if code == kernel.CONVERGED:
             return None
-        place = self.disc.mesh.label(blame)
+        place = self.disc.mesh.place(blame)
         turn = self.turn_sentence()
         if code == kernel.NON_FINITE:
             return Status(
@@ -198,7 +212,7 @@ class Newton:
 
         A step so short that the mass outweighs everything gives them; the balance at no step corrects them.
         """
-        n, common = self.disc.nodes, self.globals.copy()
+        n, rows, common = self.disc.nodes, self.disc.rows, self.globals.copy()
         rates = x[:n, 24:36].copy()
         omega = axial_rates(x[:n])
         self.globals[:2] = 0.0, 1e10 / common[2] ** 2
@@ -211,19 +225,21 @@ class Newton:
                 break
             self.work.du[:] = du
             kernel.spread(self.tables, self.work)
-            step = self.globals[1] * self.work.step
+            x[n:rows, :6] += self.work.step[n:]
+            step = self.globals[1] * self.work.step[:n]
             x[:n, 27:30] += step[:, :3]
             x[:n, 33:36] += np.einsum("nci,ni->nc", x[:n, 3:12].reshape(n, 3, 3), step[:, 3:])
             if np.abs(step).max() <= 1e-14 * max(np.abs(x[:n, 27:30]).max(), np.abs(x[:n, 33:36]).max()):
                 break
         for first in (0, 6):  # a0 and v̇0
-            x[n : 2 * n, first : first + 3], x[n : 2 * n, first + 3 : first + 6] = x[:n, 27:30], x[:n, 33:36]
+            kept = x[rows : rows + n, first : first + 6]
+            kept[:, :3], kept[:, 3:] = x[:n, 27:30], x[:n, 33:36]
         x[:n, 24:36] = rates
         self.globals[:] = common
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""
-        kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, x, self.globals)
+        kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, self.disc.rows, x, self.globals)
 
     def finish(self, x: Array, before: Array | None = None) -> Books:
         """Book the step and make x1 the start of the next one. The arrays are reused by the next call.
@@ -233,6 +249,7 @@ class Newton:
         work = self.work
         before = work.applied if before is None else before
         kernel.finish(self.tables, work, x, self.globals, before, self.mask, self.totals, self.strains)
+        self.driver.shift()
         flow = work.flow
         if self.free:
             flow[5:8] += np.cross(self.origin, flow[2:5])
@@ -260,14 +277,17 @@ class Newton:
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
-        work = self.work
-        return Books(self.totals, work.flow, self.strains, work.reaction, work.applied, work.ground)
+        work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
+        applied, reaction = work.applied[:n], work.reaction[:n]
+        return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
+        self.work.joints[:] = 0.0
         self.work.reaction[:] = 0.0
+        self.work.taken[:] = self.work.done[:] = 0.0
         return self._about_zero()
 
 
@@ -296,4 +316,7 @@ def _round_off(disc: Discretisation, inertia: float) -> tuple[float, float]:
         mass, spin = inertia * rod.section.A_rho * h, inertia * float(np.abs(rod.section.I_rho).max()) * h
         force = max(force, a * (1.0 + far / h) + b / h + mass * far)
         moment = max(moment, a * (h + far) + b + spin + mass * far * h)
+    for body in disc.model.bodies:
+        force = max(force, inertia * body.mass * far)
+        moment = max(moment, inertia * max(float(np.abs(body.euler).max()), body.mass * far * disc.length))
     return eps * force, eps * moment

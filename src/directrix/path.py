@@ -13,6 +13,7 @@ from directrix.bordered import Bordered, dot, normal_to, travelled
 from directrix.controls import SMALLEST, ArcLength, Control, Snapshot
 from directrix.critical import CriticalPoint, Kind, PathStability
 from directrix.errors import ModelError
+from directrix.failures import explained
 from directrix.gauge import Gauge, gauge_for
 from directrix.kernels import step as kernel
 from directrix.newton import Newton
@@ -72,7 +73,7 @@ def settle(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> 
     x = at.x.copy()
     far = reach / (abs(at.slope) if gauge is None else max(gauge.rate(at.tangent), 1e-12))
     limit, cayley = bordered.newton.options[4], bordered.newton.options[6] > 0.0
-    _, turned, _ = kernel.move(far * at.tangent, x, False, cayley, limit)
+    _, turned, _ = kernel.move(far * at.tangent, bordered.disc.nodes, x, False, cayley, limit)
     row = None if gauge is None else gauge.row(at.tangent, reach)
     if gauge is None:
         factor = at.factor + float(np.copysign(reach, at.slope))
@@ -159,6 +160,8 @@ class Walk:
             raise ModelError("start= is a motion, which has no load factor to go on from", "start from solve_static")
         factor = 0.0 if start is None else float(start.load_factor[-1])
         self.loads = self.newton.loads(factor)
+        self.newton.driver.place(factor, factor)
+        self.newton.driver.shift()
         self.acting = self.newton.applied(x, self.loads)
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.disc, self.books)
@@ -294,7 +297,7 @@ class Walk:
         """An equilibrium at the distance ``reach`` along ``across``, when the path through it goes that way too."""
         bordered, x = self.bordered, self.point.x.copy()
         limit, cayley = self.newton.options[4], self.newton.options[6] > 0.0
-        kernel.move(reach * across, x, False, cayley, limit)
+        kernel.move(reach * across, self.disc.nodes, x, False, cayley, limit)
         self.newton.place(x, self.point.factor)
         factor, iterations, status = bordered.correct(x, self.point.factor, normal_to(across, reach, bordered.length))
         self.recorder.iterations.append(iterations)
@@ -377,6 +380,7 @@ class Walk:
 
     def _book(self) -> None:
         newton, x = self.newton, self.point.x
+        newton.driver.place(self.point.factor, self.point.factor)
         before, self.acting = self.acting, newton.applied(x, self.loads)  # other states were tried since
         self.books = newton.finish(x, before)
         self.ledger.add(self.books, x[: self.disc.nodes, :3])
@@ -441,6 +445,7 @@ class Walk:
         )
 
     def _stuck(self, why: Status) -> Status:
+        why = explained(self.newton, self.point.x, why)
         return Status(
             why.code,
             f"stopped at load factor {self.point.factor:.6g}, arc length {self.arc:.6g}, after {self.cuts} cuts of the "

@@ -34,12 +34,11 @@ class Recorder:
         self.iterations: list[int] = []
         self.started = time.perf_counter()
 
-    def keep(
-        self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, float, float]
-    ) -> None:
+    def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
 
-        ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated.
+        ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated; by source
+        what was dissipated and the work.
         """
         n = len(r)
         rotations = [x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
@@ -48,13 +47,13 @@ class Recorder:
             (
                 scalars, r.copy(), rotations[0], x[:n, 24:27].copy(), rotations[1],
                 books.reaction.copy(), books.strains.copy(), books.totals.copy(),
-                x[n:, :HISTORY].copy(),
+                x[n:, :HISTORY].copy(), books.joints[:, :6].copy(),
             )
         )  # fmt: skip
 
     def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
         """Everything saved so far as a Result."""
-        scalars, r, rotation, v, rates, reaction, strain, totals, history = (
+        scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
         about = {
@@ -78,16 +77,35 @@ class Recorder:
             Rdot=rates,
             reaction=reaction,
             strain=strain,
-            force=self.disc.section_force(strain),
-            energy=Energy(totals[:, 1], totals[:, 0], scalars[:, 2], scalars[:, 3], scalars[:, 4]),
+            force=self.disc.section_force(self._stressed(strain, scalars)),
+            energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
             status=status,
             audit=audit,
             info={**about, **info},
             history=history,
+            joints=joints,
             links=self.disc.link_states(r, rotation),
         )
+
+    def _energy(self, totals: Array, scalars: Array) -> Energy:
+        sources = self.disc.sources
+        work, prescribed, dissipated = scalars[:, 2:5].T
+        taken, done = (dict(zip(sources.names, a, strict=True)) for a in np.split(scalars[:, 5:].T, 2))
+        working = {name: a for name, a in done.items() if name in sources.working}
+        by_loads = work - prescribed - sum(working.values())
+        return Energy(
+            totals[:, 1], totals[:, 0], work, prescribed, dissipated,
+            {name: a for name, a in taken.items() if name in sources.lossy},
+            {"loads": by_loads, "supports": prescribed, **working},
+        )  # fmt: skip
+
+    def _stressed(self, strain: Array, scalars: Array) -> Array:
+        """The part of the strains (nt, stations, 6) that is stressed."""
+        if not self.disc.model.actuations:
+            return strain
+        return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
 
 
 def _version(name: str) -> str:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 __all__ = [
-    "Energy", "LinkHistory", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh", "Status",
-    "TurningPoint", "turn_length",
+    "Energy", "JointHistory", "LinkHistory", "Mesh", "Momentum", "NodeHistory", "Result", "RodHistory", "RodMesh",
+    "Status", "TurningPoint", "turn_length",
 ]  # fmt: skip
 
 
@@ -58,13 +58,14 @@ class Mesh:
     """The discretised model as a result needs it: names and places, no mechanics.
 
     ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
-    ``notes`` are sentences about what meshing changed.
+    ``notes`` are sentences about what meshing changed, ``joints`` their names.
     """
 
     rods: tuple[RodMesh, ...]
     node_names: Mapping[str, int]
     r0: Array
     notes: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
 
     def rod(self, name: str) -> RodMesh:
         """The rod called ``name``; raises ModelError with the names there are."""
@@ -85,7 +86,9 @@ class Mesh:
         raise ModelError(f"there is no node {shown(name)}", f"node indices are 0 … {len(self.r0) - 1}")
 
     def label(self, index: int) -> str:
-        """A name a user recognises: the node's own, or its place on a rod."""
+        """A name a user recognises: the node's own, or its place on a rod; of a joint behind the nodes."""
+        if index >= len(self.r0):
+            return f"joint {self.joints[index - len(self.r0)]!r}"
         for name, k in self.node_names.items():
             if k == index:
                 return name
@@ -94,6 +97,16 @@ class Mesh:
             if hit.size:
                 return f"{rod.name} at s = {rod.s[hit[0]]:.4g}"
         return f"node {index}"
+
+    def place(self, index: int) -> str:
+        """The same as part of a sentence: "node 'tip' of rod 'arm'"."""
+        label = self.label(index)
+        if label not in self.node_names:
+            return label
+        rods = [repr(rod.name) for rod in self.rods if index in rod.nodes]
+        if not rods:
+            return f"node {label!r}"
+        return f"node {label!r} of rod{'s' * (len(rods) > 1)} {', '.join(rods[:3])}" + " …" * (len(rods) > 3)
 
 
 @dataclass(frozen=True)
@@ -124,7 +137,9 @@ class Energy:
     ``work`` is all that came in from outside since the start, by loads and by prescribed motion
     (``prescribed`` is the second part alone); ``dissipated`` what viscous and numerical damping took.
     ``residual`` is the ledger: total − total[0] − work + dissipated, zero up to round-off
-    for a conserving step.
+    for a conserving step. ``by_source`` is ``dissipated`` by its sources, name → (nt,): links by name, the damping of
+    every rod's section, fluids, numerical dissipation; ``work_by_source`` is ``work`` by what did it: loads, supports,
+    actuation, tendons, fluids that flow.
     """
 
     kinetic: Array
@@ -132,6 +147,8 @@ class Energy:
     work: Array
     prescribed: Array
     dissipated: Array
+    by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    work_by_source: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     @cached_property
     def total(self) -> Array:
@@ -206,6 +223,21 @@ class LinkHistory:
 
 
 @dataclass(frozen=True)
+class JointHistory:
+    """A joint through the run.
+
+    ``force`` and ``moment`` (nt, 3) that it exerts on its second node, on its only one when the ground is the other,
+    the moment about the joint; springs, dampers, stops and drives included (dynamics: over the step that ends at t;
+    zero at the start). ``coordinate`` (nt,): angle [rad] of a hinge, displacement of a slider or cylindrical joint,
+    zero for others.
+    """
+
+    force: Array
+    moment: Array
+    coordinate: Array
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything a run computed, at ``nt`` saved instants of ``n`` nodes.
 
@@ -227,8 +259,9 @@ class Result:
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
-    history : (nt, rows, 12) what a formulation or a scheme carries beside the nodes, to go on with ``start=``; no rows
-        for most
+    joints : (nt, joints, 6) force and moment of every joint on what it moves; see :meth:`joint`
+    history : (nt, rows, 12) multipliers and coordinates of joints, one row each, then what a formulation or a scheme
+        carries beside the nodes, to go on with ``start=``; no rows for most
     turning_points : limit points of a path that was followed, in the order of the path
     stability : negative pivots of the saved states and critical points of a path; None where nobody looked
     """
@@ -252,6 +285,7 @@ class Result:
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
+    joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
     stability: PathStability | None = None
@@ -290,6 +324,13 @@ class Result:
         if name not in self.links:
             raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
         return LinkHistory(*self.links[name].T)
+
+    def joint(self, name: str) -> JointHistory:
+        """History of one joint, by name; raises ModelError for an unknown one."""
+        if name not in self.mesh.joints:
+            raise ModelError(f"there is no joint {name!r}", f"joints: {', '.join(self.mesh.joints) or 'none'}")
+        k = self.mesh.joints.index(name)
+        return JointHistory(self.joints[:, k, :3], self.joints[:, k, 3:], self.history[:, k, 6])
 
     def directors(self, name: str) -> Array:
         """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""

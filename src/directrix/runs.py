@@ -163,6 +163,8 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
                 ("residual", energy.residual),
             )
         },
+        "work_by_source": {name: float(done[-1]) for name, done in energy.work_by_source.items()},
+        "dissipated_by_source": {name: float(taken[-1]) for name, taken in energy.by_source.items()},
         "audit": {
             "passed": audit.passed,
             "verdict": audit.verdict,

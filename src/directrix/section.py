@@ -99,7 +99,7 @@ class Section:
         c = _matrix(self.stiffness, "the stiffness of a section", 6)[np.ix_(rows, rows)]
         if np.linalg.eigvalsh(_scaled(c))[0] <= 1e-12:
             raise ModelError(
-                "the stiffness of a section is not positive definite",
+                f"the stiffness of a section is not positive definite: {_costs_nothing(c)} costs no energy",
                 "every deformation must cost energy: check the signs",
             )
         inertia = _matrix(self.I_rho, "I_rho of a section", 2)
@@ -313,3 +313,15 @@ def _scaled(c: Array) -> Array:
     if np.any(np.diag(c) <= 0.0):
         return -np.eye(len(c))
     return c / np.outer(size, size)
+
+
+def _costs_nothing(c: Array) -> str:
+    """The components of a strain, in our order, that a stiffness does not resist."""
+    names = np.array(
+        ["shear 1 (GA1)", "shear 2 (GA2)", "extension (EA)", "bending 1 (EI1)", "bending 2 (EI2)", "torsion (GJ)"]
+    )
+    bad = np.diag(c) <= 0.0
+    if not np.any(bad):
+        softest = np.abs(np.linalg.eigh(_scaled(c))[1][:, 0])
+        bad = softest > 0.1 * softest.max()
+    return " with ".join(names[bad].tolist())

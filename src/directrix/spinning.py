@@ -151,7 +151,7 @@ class Spin:
                 found = splu(csc_matrix(matrix)).solve(off / hessian.weights[free])
             except RuntimeError:  # singular
                 return False
-            moved, turned, bad = kernel.move(hessian.increment(found), x, False, False, 0.3)
+            moved, turned, bad = kernel.move(hessian.increment(found), n, x, False, False, 0.3)
             if bad >= 0:
                 return False
             if moved <= 1e-10 * size and turned <= 1e-10:

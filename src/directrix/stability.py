@@ -14,6 +14,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh, splu
 
 from directrix.checks import Vec, vector
+from directrix.diagnosis import at_start, refuse
 from directrix.equilibrium import Linearised
 from directrix.errors import ModelError
 from directrix.hessian import negative_pivots
@@ -243,9 +244,10 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     Raises
     ------
     ModelError
-        Something cannot be right: no loads, a state that is not stable, loads that turn with their node.
+        Something cannot be right: no loads, a part that can move freely, loads that turn with their node.
     """
     system = Linearised(model, about, dynamic=False)
+    refuse(at_start(system.newton, system.x, stressed=about is not None))
     count = system.checked(count)
     stiffness = system.stiffness()
     factored = splu(stiffness)

@@ -1,5 +1,6 @@
 """The state of a run, (≥ n, 40): per node (r1, R1 e_i), (Δr, R0 e_i) and the rates (ṙ, Ṙ e_i), Δr = r1 − r0; then
-rows of history where a formulation or a scheme has one. A state is all there is: a copy is a way back."""
+a row for every joint (six multipliers, its coordinate; at 12 and 13 what is prescribed and what drives), and rows of
+history where a formulation or a scheme has one. A state is all there is: a copy is a way back."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from directrix.checks import shown
 from directrix.discretisation import Discretisation, rates_of
 from directrix.errors import ModelError
+from directrix.formulations.joint import TARGET
 from directrix.formulations.layout import HISTORY, PER_NODE
 from directrix.result import Result
 from directrix.rotations import exp
@@ -26,8 +28,9 @@ def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) ->
     Gauss points that carry a rotation. Raises ModelError when ``start`` belongs to another mesh, or has no history
     and the formulation needs one.
     """
-    n = disc.nodes
+    n, joints = disc.nodes, disc.rows - disc.nodes
     history = [
+        np.zeros((joints, HISTORY)),
         np.zeros((n if scheme.nodal_rows else 0, HISTORY)),
         *(g.history.reshape(-1, HISTORY) for g in disc.groups),
     ]
@@ -48,6 +51,14 @@ def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) ->
         nodes[:, :3], rotation = start.r[-1], start.R[-1]
         nodes[:, 24:27] = start.v[-1]
         nodes[:, 27:36] = _columns(start.Rdot[-1])
+        if start.mesh.joints != disc.mesh.joints:
+            raise ModelError(
+                f"start= has the joints {', '.join(start.mesh.joints) or 'none'}, "
+                f"the model {', '.join(disc.mesh.joints) or 'none'}",
+                "start from a result of a model with the same joints",
+            )
+        if joints:
+            x[n : n + joints, :HISTORY] = start.history[-1][:joints]
         if has_history(start, scheme):
             x[n:, :HISTORY] = start.history[-1]
         elif any(g.history.size for g in disc.groups):
@@ -66,7 +77,8 @@ def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) ->
 
 def has_history(start: Result | None, scheme: Scheme) -> bool:
     """True when ``start`` carries what ``scheme`` needs to go on beside positions and velocities."""
-    return start is not None and bool(start.history.size) and start.info.get("element") == repr(scheme.element)
+    rows = 0 if start is None else start.history.shape[1] - len(start.mesh.joints)
+    return start is not None and rows > 0 and start.info.get("element") == repr(scheme.element)
 
 
 def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
@@ -79,7 +91,10 @@ def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
             x[node, :3] = to
         if rotation is not None:
             x[node, 3:12] = exp(rotation(t)).T.ravel()
-    return not np.array_equal(before, x[: disc.nodes, :12])
+    moved = not np.array_equal(before, x[: disc.nodes, :12])
+    for joint, value in disc.driven:
+        x[disc.nodes + joint, TARGET] = value(t)
+    return moved
 
 
 def place_all(disc: Discretisation, x: Array, t: float) -> bool:

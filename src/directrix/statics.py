@@ -11,14 +11,17 @@ from directrix.audit import StaticBooks
 from directrix.checks import choice, flag, reporting, whole
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.critical import PathStability
+from directrix.diagnosis import at_start, noted, refuse
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
+from directrix.failures import explained
 from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refuse_strategies
 from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
+from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
@@ -113,6 +116,8 @@ def solve_static(
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
+    refuse_joints(newton, x)
+    found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static")
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
@@ -128,6 +133,7 @@ def solve_static(
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
     run.close()
+    status = noted(status, found)
     info = {
         "formulation": repr(formulation or Directors()), "tolerance": tolerance, "cuts": run.cuts, "rotation": rotation,
         "element": repr(scheme.element),
@@ -156,6 +162,8 @@ class _LoadSteps:
     def begin(self, x: Array, start: Result | None) -> None:
         """Keep the first state."""
         self.x = x
+        self.newton.driver.place(0.0, 0.0)
+        self.newton.driver.shift()
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.newton.disc, self.books)
         self._keep()
@@ -172,13 +180,14 @@ class _LoadSteps:
             newton.begin(self.x)
             moved = place_supports(disc, self.x, factor)
             loads = disc.external(factor, factor)
+            newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
             self.recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
                 self.x = before
                 reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
                 if reach < SMALLEST / steps:
-                    why = outcome.status
+                    why = explained(newton, before, outcome.status)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue
@@ -202,7 +211,7 @@ class _LoadSteps:
         r = self.x[: self.newton.disc.nodes, :3]
         self.recorder.keep(self.factor, self.factor, r, self.x, self.books, self.ledger.flows)
         if self.watch is not None:
-            self.counts.append(self.watch.pivots(self.x))
+            self.counts.append(self.watch.pivots(self.x, self.factor))
         self.kept = self.factor
 
     @property

@@ -59,11 +59,11 @@ class Watch:
 
     def matrix(self, x: Array, factor: float) -> csc_matrix:
         """The stiffness at a state."""
-        if self.newton.family is not None:
-            self.newton.loads(factor)
+        self.newton.loads(factor)
+        self.newton.driver.place(factor, factor)
         return self.hessian.matrix(x)
 
-    def pivots(self, x: Array, factor: float = 0.0) -> int:
+    def pivots(self, x: Array, factor: float) -> int:
         """Negative pivots at a state."""
         return negative_pivots(self.matrix(x, factor))
 

@@ -15,7 +15,9 @@ from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub,
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
-__all__ = ["AttachedLayout", "BodyElement", "LinkElement"]
+__all__ = [
+    "Attached", "AttachedLayout", "BodyElement", "LinkElement", "TendonElement", "books", "discrete_ramp", "ramp",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,8 @@ class AttachedLayout(Layout):
 
 
 @dataclass(frozen=True)
-class _Attached:
-    """What links and bodies share: no history, no strains."""
+class Attached:
+    """What links, bodies and joints share: no history, no strains."""
 
     rates: Rates
     sampled = False
@@ -45,16 +47,15 @@ class _Attached:
         """No strains."""
         return []
 
+    @property
+    def half(self) -> bool:
+        """True when the step balances at its middle."""
+        return self.rates not in (Rates.NONE, Rates.ALPHA)
+
 
 @dataclass(frozen=True)
-class LinkElement(_Attached):
-    """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
-
-    With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
-    d½ = ½(d0 + d1), whose work is T Δℓ. Statics and schemes that balance at x1 take T at x1.
-    """
-
-    cable: bool = False
+class _Straight(Attached):
+    """What pulls along the line between two points; parameters begin with offsets (3, 3) or offset and place."""
 
     def _vectors(
         self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]
@@ -68,6 +69,55 @@ class LinkElement(_Attached):
             before.append(p[3:6])
         return at, sub(after[1], after[0]), sub(before[1], before[0])
 
+    def _pull(
+        self, at: Sequence[rot.Node], p: Sequence[Scalar], force: Vector
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """``force`` from the first point to the second, as :meth:`Element.step` gives it."""
+        out: list[Scalar] = []
+        for k, n in enumerate(at):
+            on = force if k == 1 else scale(-1.0, force)
+            axes: Columns = [scale(0.5, add(u, v)) for u, v in zip(n.R, n.R0, strict=True)] if self.half else n.R
+            out += [*on, *cross(from_body(axes, p[3 * k : 3 * k + 3]), on)]
+        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+
+
+@dataclass(frozen=True)
+class TendonElement(_Straight):
+    """A segment of a tendon of given tension (an :class:`Element`); behind the offsets T at the start and the end.
+
+    The force 2T/(ℓ0 + ℓ1) d½ with T = ½(T0 + T1) does exactly the work −T Δℓ on what it pulls together.
+    """
+
+    def step(
+        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
+    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+        """See :class:`Element`."""
+        at, d1, d0 = self._vectors(x, layout, p)
+        if self.half:
+            return self._pull(at, p, scale(0.5 * (p[6] + p[7]) / (_length(d0) + _length(d1)), add(d0, d1)))
+        return self._pull(at, p, scale(p[7] / _length(d1), d1))
+
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """See :class:`Element`: nothing is stored."""
+        nothing = 0.0 * p[6]
+        return books(layout, nothing, nothing, [nothing] * 3, [nothing] * 3)
+
+    def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """Nothing dissipated; the work −½(T0 + T1) Δℓ."""
+        _, d1, d0 = self._vectors(x, layout, p)
+        return [0.0 * p[6], 0.5 * (p[6] + p[7]) * (_length(d0) - _length(d1))]
+
+
+@dataclass(frozen=True)
+class LinkElement(_Straight):
+    """A link (an :class:`Element`); parameters: offsets (3, 3) or offset and place, k, ℓ0, c, width.
+
+    With T the mean tension of a step, T Δℓ = ΔW + c Δℓ²/Δt, the force on the ends is 2T/(ℓ0 + ℓ1) d½ with
+    d½ = ½(d0 + d1), whose work is T Δℓ. Statics and schemes that balance at x1 take T at x1.
+    """
+
+    cable: bool = False
+
     def _step(self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """Lengths at x0 and x1, tension of the step from its energy."""
         _, d1, d0 = self._vectors(x, layout, p)
@@ -76,18 +126,11 @@ class LinkElement(_Attached):
             return b, b, self._tension(b - p[7], b - p[7], p)
         return a, b, self._tension(a - p[7], b - p[7], p)
 
-    @property
-    def half(self) -> bool:
-        """True when the step balances at its middle."""
-        return self.rates not in (Rates.NONE, Rates.ALPHA)
-
     def _tension(self, e0: Scalar, e1: Scalar, p: Sequence[Scalar]) -> Scalar:
-        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with p = ½(e + √(e² + w²))."""
+        """ΔW/Δe without a difference: W = ½ k e², or ½ k p² with the ramp p."""
         if not self.cable:
             return 0.5 * p[6] * (e0 + e1)
-        q0, q1 = (e0 * e0 + p[9] * p[9]) ** 0.5, (e1 * e1 + p[9] * p[9]) ** 0.5
-        ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
-        return 0.25 * p[6] * ramps * (1.0 + (e0 + e1) / (q0 + q1))
+        return p[6] * discrete_ramp(e0, e1, p[9])
 
     def step(
         self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
@@ -98,19 +141,13 @@ class LinkElement(_Attached):
         if self.half:
             tension = tension + p[8] * g[1] * (b - a)
         middle = scale(0.5, add(d0, d1)) if self.half else d1
-        force = scale(2.0 * tension / (a + b), middle)
-        out: list[Scalar] = []
-        for k, n in enumerate(at):
-            on = force if k == 1 else scale(-1.0, force)
-            axes: Columns = [scale(0.5, add(u, v)) for u, v in zip(n.R, n.R0, strict=True)] if self.half else n.R
-            out += [*on, *cross(from_body(axes, p[3 * k : 3 * k + 3]), on)]
-        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+        return self._pull(at, p, scale(2.0 * tension / (a + b), middle))
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
         e = _length(self._vectors(x, layout, p)[1]) - p[7]
-        ramp = 0.5 * (e + (e * e + p[9] * p[9]) ** 0.5) if self.cable else e
-        return _books(layout, 0.5 * p[6] * ramp * ramp, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
+        pulled = ramp(e, p[9]) if self.cable else e
+        return books(layout, 0.5 * p[6] * pulled * pulled, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """What the dashpot took in the step: c Δℓ²/Δt."""
@@ -119,7 +156,7 @@ class LinkElement(_Attached):
 
 
 @dataclass(frozen=True)
-class BodyElement(_Attached):
+class BodyElement(Attached):
     """A rigid body (an :class:`Element` of one node); parameters: mass, Euler tensor E by its upper triangle.
 
     Its momenta are m ṙ and E_ij Ṙ e_j on the columns R e_i, so M is constant as for the rods.
@@ -153,7 +190,19 @@ class BodyElement(_Attached):
         momentum, spins = scale(p[0], n.v), _euler_times(p, n.rate)
         kinetic = 0.5 * dot(momentum, n.v) + 0.5 * sum(dot(s, c) for s, c in zip(spins, n.rate, strict=True))
         angular = add(cross(n.r, momentum), *(cross(axis, s) for axis, s in zip(n.R, spins, strict=True)))
-        return _books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+        return books(layout, 0.0 * kinetic, kinetic, momentum, angular)
+
+
+def ramp(e: Scalar, width: Scalar) -> Scalar:
+    """p(e) = ½(e + √(e² + w²)): 0 below, e above, smooth over the width w."""
+    return 0.5 * (e + (e * e + width * width) ** 0.5)
+
+
+def discrete_ramp(e0: Scalar, e1: Scalar, width: Scalar) -> Scalar:
+    """½ Δ(p²)/Δe without a difference, p p' for e0 = e1."""
+    q0, q1 = (e0 * e0 + width * width) ** 0.5, (e1 * e1 + width * width) ** 0.5
+    ramps = 0.5 * (e0 + q0) + 0.5 * (e1 + q1)
+    return 0.25 * ramps * (1.0 + (e0 + e1) / (q0 + q1))
 
 
 def _length(d: Vector) -> Scalar:
@@ -167,7 +216,7 @@ def _euler_times(p: Sequence[Scalar], v: Sequence[Vector]) -> list[Vector]:
     return [add(*(scale(p[place[min(i, j), max(i, j)]], v[j]) for j in range(3))) for i in range(3)]
 
 
-def _books(
+def books(
     layout: Layout, stored: Scalar, kinetic: Scalar, linear: Sequence[Scalar], angular: Sequence[Scalar]
 ) -> list[Scalar]:
     """In the order of :meth:`Element.audit`; what is attached does not turn between its nodes."""

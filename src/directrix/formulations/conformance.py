@@ -15,7 +15,10 @@ from directrix.rotations import cay, exp, hat
 
 Array = NDArray[np.float64]
 
-__all__ = ["Conformance", "check_discrete_gradient", "check_formulation", "random_parameters", "random_states"]
+__all__ = [
+    "Conformance", "check_discrete_gradient", "check_formulation", "check_tangent", "random_parameters",
+    "random_states",
+]  # fmt: skip
 
 TINY = 1e-300  # an element may have no force or no energy
 
@@ -90,7 +93,7 @@ def check_formulation(
     return Conformance(
         objectivity,
         0.0 if static else _work(element, layout, x, p, still),
-        _tangent(element, layout, rng, parameters),
+        check_tangent(element, layout, rng, parameters),
         float((rigid / (np.abs(still).max(axis=1) + TINY)).max()),
     )
 
@@ -165,8 +168,8 @@ def _work(element: Element, layout: Layout, x: Array, p: Array, force: Array) ->
     return float((np.abs(work - stored[1] + stored[0]) / size).max())
 
 
-def _tangent(element: Element, layout: Layout, rng: np.random.Generator, parameters: Array | None) -> float:
-    """Machine code against the complex step of the same residual."""
+def check_tangent(element: Element, layout: Layout, rng: np.random.Generator, parameters: Array | None = None) -> float:
+    """Largest deviation of the machine code from the complex step of the same residual, over its largest entry."""
     from directrix.kernels.single import run_step  # pyright: ignore[reportUnknownVariableType]
 
     worst, common, h = 0.0, [3.0, 2.0, 0.4], 1e-30
@@ -179,7 +182,9 @@ def _tangent(element: Element, layout: Layout, rng: np.random.Generator, paramet
         for column in range(6 * layout.nn):
             node, k = divmod(column, 6)
             y = x.astype(complex)
-            if k < 3:
+            if layout.last_adds and node == layout.nn - 1:
+                y[node, k] += 1j * h
+            elif k < 3:
                 y[node, [k, 12 + k]] += 1j * h
             else:
                 turned = np.cross(np.eye(3)[k - 3], x[node, 3:12].reshape(3, 3))

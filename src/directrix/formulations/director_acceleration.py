@@ -6,8 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations.directors import (
+    Rule,
     audit,
     coordinates,
+    elastic_stress,
+    flows,
     internal,
     mass_times,
     on_nodes,
@@ -20,6 +23,8 @@ from directrix.formulations.so3 import add, from_body, log, scale, times, transp
 from directrix.kernels.trace import cross
 
 __all__ = ["DirectorAcceleration"]
+
+AT_END = Rule(static=True)
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,7 @@ class DirectorAcceleration:
             total.append([(0.0, 0.0, 0.0)] * 4)
         for k, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
             e = sub6(director_strains(q, n, dn, parts[2][k]), parts[3][6 * k : 6 * k + 6])
-            force = internal(q, n, dn, w, layout.stress(parts[1], e))
+            force = internal(q, n, dn, w, elastic_stress(layout, AT_END, parts, k, (e, e, e)))
             total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
         for node, inertia in zip(total, mass_times(layout, parts, second), strict=True):
             node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
@@ -77,6 +82,12 @@ class DirectorAcceleration:
         """See :func:`directrix.formulations.directors.audit`; rates are then (ṙ, Ṙ) as everywhere."""
         d0 = layout.split(p)[0]
         return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
+
+    def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """See :func:`directrix.formulations.directors.flows`: work with the mean of the stresses at both ends."""
+        d0 = layout.split(p)[0]
+        q1, q0 = (coordinates(layout, x, d0, first) for first in (0, 12))
+        return flows(layout, AT_END, q1, q0, p, g)
 
 
 def _columns(y: Sequence[Scalar], first: int) -> list[Vector]:

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from directrix.formulations.driven import drag, drag_flows, flow_of, intrinsic
 from directrix.formulations.layout import (
     PER_NODE,
     Coordinates,
@@ -102,21 +103,35 @@ def internal(
     ]
 
 
-def algorithmic_stress(
-    layout: Layout, rule: Rule, c: Sequence[Scalar], viscous: Sequence[Scalar], e: Sequence[Sequence[Scalar]],
-    dt: Sequence[Scalar],
-) -> list[Scalar]:  # fmt: skip
-    """S* from the strains ``e`` at x0, x1 and x½."""
+def elastic_stress(
+    layout: Layout, rule: Rule, parts: Sequence[Sequence[Scalar]], g: int, e: Sequence[Sequence[Scalar]]
+) -> list[Scalar]:
+    """S* of the stored energy, from the strains ``e`` at x0, x1 and x½ of stress point ``g``.
+
+    With an intrinsic strain ε̂ the energy is W(ε − ε̂), and what S* does along Δε is ΔW and S*·Δε̂.
+    """
     weights = (rule.w0, rule.w1, rule.wh)
+    if layout.actuated:
+        hats = intrinsic(layout, parts[8], g)
+        mean = [0.5 * (a + b) for a, b in zip(*hats, strict=True)]
+        e = [sub6(part, hat) for part, hat in zip(e, (*hats, mean), strict=True)]
     if layout.law is None:
         mixed = [sum(w * part[k] for w, part in zip(weights, e, strict=True) if w) for k in range(6)]
-        s = symmetric_times(c, mixed)
-    elif rule.static or rule.wh == 1.0:
-        s = layout.law.stress(e[1] if rule.static else e[2])
-    else:
-        s = discrete_gradient(layout, e[0], e[1])
+        return symmetric_times(parts[1], mixed)
+    if rule.static or rule.wh == 1.0:
+        return layout.law.stress(e[1] if rule.static else e[2])
+    return discrete_gradient(layout, e[0], e[1])
+
+
+def algorithmic_stress(
+    layout: Layout, rule: Rule, parts: Sequence[Sequence[Scalar]], g: int, e: Sequence[Sequence[Scalar]],
+    dt: Sequence[Scalar],
+) -> list[Scalar]:  # fmt: skip
+    """S* with what resists the change of strain, from the strains ``e`` at x0, x1 and x½ of stress point ``g``."""
+    s = elastic_stress(layout, rule, parts, g, e)
     if rule.static:
         return s
+    c, viscous = parts[1], parts[6]
     delta = sub6(e[1], e[0])
     if rule.dissipative:
         s = [a + 0.5 * dt[2] * b for a, b in zip(s, symmetric_times(c, delta), strict=True)]
@@ -194,9 +209,16 @@ def residual(
     for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
         at = [sub6(strains(q, n, dn, inverse_j), e0) for q in (q0, q1, middle)]
-        s = algorithmic_stress(layout, rule, parts[1], parts[6], at, dt)
+        s = algorithmic_stress(layout, rule, parts, g, at, dt)
         force = internal(middle, n, dn, w, s)
         total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
+    if layout.dragged:
+        still, flow = [scale(0.0, s) for s in step], flow_of(layout, parts[9])
+        moving = still if rule.static else [scale(dt[1], s) for s in step]
+        past = flow[1] if rule.static else scale(0.5, add(*flow))
+        for point in drag(layout, parts[9], [node[0] for node in middle], moving, past):
+            for node, n in zip(total, point.shape, strict=True):
+                node[0] = sub(node[0], scale(float(n), point.force))
     if not rule.static and rule.inertia:
         # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0, by the very 2/Δt that updates ẋ: no bias in long runs
         rate = [
@@ -227,8 +249,8 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     tail: list[Scalar] = []
     for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
-        e = [a - b for a, b in zip(strains(q, n, dn, inverse_j), e0, strict=True)]
-        stored = stored + w / inverse_j * layout.energy(parts[1], e)
+        e = sub6(strains(q, n, dn, inverse_j), e0)
+        stored = stored + w / inverse_j * layout.energy(parts[1], _stressed(layout, parts, g, e))
         d = _at_point(q, n, dn)[0]
         gram = sum((dot(d[i], d[i]) - 1.0) * (dot(d[i], d[i]) - 1.0) for i in range(3))
         gram = gram + 2.0 * sum(dot(d[i], d[j]) * dot(d[i], d[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
@@ -239,6 +261,42 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     angular = add(*(cross(x[i], m[i]) for m, x in zip(momentum, q, strict=True) for i in range(3)))
     turn = [sum(dot(a[i], b[i]) for i in (1, 2, 3)) for a, b in itertools.pairwise(q)]
     return [stored, kinetic, *linear, *angular, *turn, *tail]
+
+
+def _stressed(layout: Layout, parts: Sequence[Sequence[Scalar]], g: int, e: Sequence[Scalar]) -> Sequence[Scalar]:
+    """The part of the strains ``e`` that is stressed at the end of a step."""
+    return sub6(e, intrinsic(layout, parts[8], g)[1]) if layout.actuated else e
+
+
+def flows(
+    layout: Layout, rule: Rule, q1: Coordinates, q0: Coordinates, p: Sequence[Scalar], dt: Sequence[Scalar]
+) -> list[Scalar]:
+    """What a step takes from or brings into an element: dissipated by drag, work of the flow, force and moment about
+    the origin of the drag; then nothing dissipated, and the work −S*·Δε̂ of actuation.
+
+    ``q0`` holds Δr in the place of r0. Statics takes the mean of the stresses at both ends.
+    """
+    parts = layout.split(p)
+    step = [node[0] for node in q0]
+    outside: list[Scalar] = [0.0 * p[0]] * 8
+    if layout.dragged:
+        outside = drag_flows(layout, parts[9], [node[0] for node in q1], step, dt[1], rule.static)
+    done: Scalar = 0.0 * p[0]
+    if layout.actuated:
+        q0 = [[sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
+        middle: Any = [[scale(0.5, add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
+        for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
+            inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
+            e = [sub6(strains(q, n, dn, inverse_j), e0) for q in (q0, q1, middle)]
+            before, after = intrinsic(layout, parts[8], g)
+            if rule.static:
+                at = [sub6(a, b) for a, b in zip(e, (before, after), strict=False)]
+                pair = [layout.stress(parts[1], a) for a in at]
+                s = [0.5 * (a + b) for a, b in zip(*pair, strict=True)]
+            else:
+                s = elastic_stress(layout, rule, parts, g, e)
+            done = done - w / inverse_j * sum(a * d for a, d in zip(s, sub6(after, before), strict=True))
+    return [*outside, 0.0 * done, done]
 
 
 def coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first: int) -> list[Any]:
@@ -280,3 +338,9 @@ class DirectorStep:
         """See :func:`audit`."""
         d0 = layout.split(p)[0]
         return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
+
+    def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """See :func:`flows`."""
+        d0 = layout.split(p)[0]
+        q1, q0 = (coordinates(layout, x, d0, first) for first in (0, 12))
+        return flows(layout, self.rule, q1, q0, p, g)

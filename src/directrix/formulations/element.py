@@ -10,9 +10,12 @@ from directrix.kernels.trace import Graph, Sym, cross, derivative
 
 __all__ = [
     "COMMON",
+    "FLOWS",
     "Committed",
     "Element",
+    "Jointed",
     "Lossy",
+    "record_acts",
     "record_audit",
     "record_commit",
     "record_lost",
@@ -20,6 +23,7 @@ __all__ = [
 ]
 
 COMMON = 8  # scalars that all elements of a run share
+FLOWS = 10  # values of what an element takes and brings in
 Recorded = tuple[Graph, list[Sym], list[int]]
 
 
@@ -57,7 +61,17 @@ class Lossy(Element, Protocol):
     """An element that dissipates by itself."""
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
-        """What it took in the step, one value."""
+        """What it took in the step; and if there is more: the work that is done on it from outside, force (3) and
+        moment about the origin (3) from outside, and for a second source what it took and its work."""
+        ...
+
+
+class Jointed(Lossy, Protocol):
+    """An element whose last node is a row of multipliers."""
+
+    def acts(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
+        """Force (3) and moment (3) on what moves, coordinate at x1, its increment in the step, the forces on it
+        that do the work of prescribed motion and of a drive."""
         ...
 
 
@@ -91,9 +105,10 @@ def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
     results, places = list(out), list(range(size))
     # column after column: what one direction computes is used while it is at hand
     for b in range(layout.nn) if tangent else ():
+        adds = layout.last_adds and b == layout.nn - 1
         for k in range(6):
-            if k < 3:
-                seed = {v[k]: 1.0 for v in moving[b]}
+            if k < 3 or adds:
+                seed = {v[k % 3]: 1.0 for v in (moving if k < 3 else turning)[b]}
             else:
                 e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
                 seed = {d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))}
@@ -110,9 +125,17 @@ def record_audit(element: Element, layout: Layout) -> Recorded:
 
 
 def record_lost(element: Lossy, layout: Layout) -> Recorded:
-    """What an element dissipated in a step."""
+    """What an element dissipated in a step, and what came in from outside: FLOWS values."""
     graph, x, p, g = _inputs(element, layout)
-    return graph, element.lost(layout, x, p, g), [0]
+    out = [x[0].lift(value) for value in element.lost(layout, x, p, g)]
+    return graph, [*out, *[graph.const(0.0)] * (FLOWS - len(out))], list(range(FLOWS))
+
+
+def record_acts(element: Jointed, layout: Layout) -> Recorded:
+    """What a joint does in a step, 10 values."""
+    graph, x, p, g = _inputs(element, layout)
+    out = [x[0].lift(value) for value in element.acts(layout, x, p, g)]
+    return graph, out, list(range(len(out)))
 
 
 def record_commit(element: Committed, layout: Layout) -> Recorded:

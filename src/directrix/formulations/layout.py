@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from directrix.basis import gauss, lagrange
 
@@ -33,11 +33,17 @@ class Layout:
 
     ``nn`` nodes; ``points`` Gauss points for the stresses; ``principal`` when stiffness and rotary inertia
     are diagonal; ``damping`` the kind of the viscous matrix; ``law`` a stored energy in place of ½ ε·Cε;
-    ``sampled`` when dS/dξ at the inertia points is wanted. Parameters in order: reference directors (9 nn),
+    ``sampled`` when dS/dξ at the inertia points is wanted; ``actuated`` when the strain without stress changes,
+    ``dragged`` when a fluid resists. Parameters in order: reference directors (9 nn),
     stiffness (6 or the 21 of the upper triangle by rows), dξ/dS at the stress points, their reference
     strains (6 each), ∫N_a N_b dS (upper triangle by rows), A_ρ, I_ρ1, I_ρ2 (, I_ρ12), viscous matrix
-    (0, 6 or 21), dS/dξ at the inertia points (0 or nn).
+    (0, 6 or 21), dS/dξ at the inertia points (0 or nn), strains without stress at the stress points at the start and
+    at the end of a step (0 or 12 each), drag (0, or c_n, c_t, dS/dξ at the nn inertia points, velocity of the fluid at
+    the start and at the end of a step).
     """
+
+    last_adds: ClassVar[bool] = False
+    """The last node is none: increments of all six components are added (multipliers)."""
 
     nn: int
     points: int
@@ -45,6 +51,8 @@ class Layout:
     damping: Damping = "none"
     law: Law | None = None
     sampled: bool = False
+    actuated: bool = False
+    dragged: bool = False
 
     @property
     def sizes(self) -> tuple[int, ...]:
@@ -54,7 +62,8 @@ class Layout:
         viscous = {"none": 0, "principal": 6, "full": 21}[self.damping]
         return (
             9 * self.nn, 6 if small else 21, self.points, 6 * self.points, pairs, 3 if small else 4, viscous,
-            self.nn if self.sampled else 0,
+            self.nn if self.sampled else 0, 12 * self.points if self.actuated else 0,
+            8 + self.nn if self.dragged else 0,
         )  # fmt: skip
 
     @property

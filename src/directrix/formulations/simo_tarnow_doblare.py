@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
-from directrix.formulations.directors import Rule, algorithmic_stress, mass_times
+from directrix.formulations.directors import Rule, elastic_stress, mass_times
 from directrix.formulations.layout import Coordinates, Layout, Point, Scalar, Vector, points
 from directrix.formulations.simo_vu_quoc import initial, reference, strains
 from directrix.formulations.so3 import (
@@ -67,7 +67,7 @@ class SimoTarnowDoblareStep:
         e0, e1 = strains(layout, parts, starts, before), strains(layout, parts, at, after)
         total: list[list[Vector]] = [[(0.0,) * 3, (0.0,) * 3] for _ in at]
         for k, point in enumerate(points(layout.nn, layout.points)):
-            s = algorithmic_stress(layout, RULE, parts[1], (), (e0[k], e1[k], e1[k]), g)
+            s = elastic_stress(layout, RULE, parts, k, (e0[k], e1[k], e1[k]))
             theta = combine(point[1], thetas)
             mean = [scale(0.5, add(a, b)) for a, b in zip(before[k].frame, after[k].frame, strict=True)]
             m = from_body(before[k].frame, s[3:])

@@ -14,6 +14,7 @@ from directrix.kernels.trace import cross, dot
 __all__ = [
     "Columns", "add", "cayley", "cayley_vector", "combine", "exp", "from_body", "log", "relative", "scale", "spin_rate",
     "stumpff", "sub", "times", "to_body", "transposed",
+    "turn_over_sine",
 ]  # fmt: skip
 
 Columns = Sequence[Vector]
@@ -113,15 +114,21 @@ def spin_rate(v: Vector, slope: Vector, body: bool = False) -> Vector:
 
 
 def log(A: Columns) -> Vector:
-    """Rotation vector of A, less than π long: four times the half angle, then arctan by its series."""
-    half = [0.5 * (A[0][0] + A[1][1] + A[2][2] - 1.0)]
+    """Rotation vector of A, less than π long."""
+    axial = _axial(A)
+    ratio = turn_over_sine(0.5 * (A[0][0] + A[1][1] + A[2][2] - 1.0), 0.25 * dot(axial, axial))
+    return scale(0.5 * ratio, axial)
+
+
+def turn_over_sine(cosine: Scalar, sine2: Scalar) -> Scalar:
+    """φ / sin φ from cos φ and sin² φ, |φ| < π: four times the half angle, then arctan by its series."""
+    half = [cosine]
     for _ in range(4):
         half.append((0.5 * (1.0 + half[-1])) ** 0.5)
     product = half[1] * half[2] * half[3] * half[4]
-    axial = _axial(A)
     # sin φ = 16 sin(φ/16) cos(φ/2) cos(φ/4) cos(φ/8) cos(φ/16)
-    tan2 = dot(axial, axial) / (1024.0 * product * product * half[4] * half[4])
+    tan2 = sine2 / (256.0 * product * product * half[4] * half[4])
     series: Scalar = 0.0
     for j in range(11, -1, -1):
         series = 1.0 / (2 * j + 1) - tan2 * series
-    return scale(0.5 * series / (product * half[4]), axial)
+    return series / (product * half[4])

@@ -6,17 +6,21 @@ history. ``external`` (n, 12) are forces and moments on the nodes, dead ones (6)
 """
 # pyright: basic, reportCallIssue=false
 
+from directrix.formulations.element import FLOWS
 from directrix.kernels.call import add_block, call_kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
+from directrix.kernels.rates import NONE
 
-__all__ = ["assemble", "books", "commit", "element_tangents", "ground", "internal_forces", "lost"]
+__all__ = ["acts", "assemble", "books", "commit", "element_tangents", "ground", "internal_forces", "lost"]
 
+COORDINATE = 6  # place in the row of a joint
 # columns of tables.head
-STEP, RESIDUAL, AUDIT, COMMIT, LOST, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY, GROUND = (
-    range(17)
-)
+(
+    STEP, RESIDUAL, AUDIT, COMMIT, LOST, ACTS, NN, COUNT, CONN, PAR, SIZE, POINTS, ELEMENT, BACK, AT, ROWS, HISTORY,
+    GROUND, DEST, UNKNOWN,
+) = range(20)  # fmt: skip
 
 
 @inner
@@ -32,9 +36,9 @@ def _scatter(out, at, conn, first, nn, internal):
 
 
 @inner
-def _add_blocks(out, at, dest, first, blocks):
-    """The four blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
-    for b in range(4):
+def _add_blocks(out, at, dest, first, count, blocks):
+    """``count`` blocks of 36 from ``out[at]`` on, onto blocks ``dest[first:]``; all arrays flat."""
+    for b in range(count):
         add_block(blocks, 36 * dest[first + b], out, at + 36 * b)
 
 
@@ -116,13 +120,11 @@ def assemble(tables, work, x, g, external, mask, frozen):
             for lane in range(count):
                 e, from_ = first + lane, lane * stride
                 _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
-                if nn == 1:
-                    add_block(flat_blocks, 36 * tables.dest[4 * (head[ELEMENT] + e)], out, from_ + 6)
-                elif nn == 2:
-                    _add_blocks(out, from_ + 12, tables.dest, 4 * (head[ELEMENT] + e), flat_blocks)
+                if head[UNKNOWN] == nn:
+                    _add_blocks(out, from_ + nd, tables.dest, head[DEST] + e * nn * nn, nn * nn, flat_blocks)
                 else:
                     conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
-                    to = tables.dest[4 * (head[ELEMENT] + e) : 4 * (head[ELEMENT] + e) + 4]
+                    to = tables.dest[head[DEST] + 4 * e : head[DEST] + 4 * e + 4]
                     k, r = work.k, work.r
                     for b in range(nn):
                         for a in range(nn):
@@ -246,8 +248,9 @@ def commit(tables, work, x, g):
 
 @inner
 def lost(tables, work, x, g):
-    """What elements that dissipate by themselves took in the step."""
-    total = 0.0
+    """Add what elements took in the step to ``work.taken`` and what was done on them to ``work.done``, by source, and
+    the forces and moments on them from outside to ``work.ground``."""
+    stride = -(-FLOWS // LANES) * LANES
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         if head[LOST] == 0:
@@ -258,8 +261,14 @@ def lost(tables, work, x, g):
             places = head[AT] + block * LANES * (head[NN] + head[ROWS])
             call_kernel(head[LOST], x, tables.at, places, tables.par, parameters, g, work.out)
             for lane in range(count):
-                total += work.out[lane * LANES]
-    return total
+                at, e = lane * stride, head[ELEMENT] + block * LANES + lane
+                for k in range(2):
+                    source = tables.source[e, k]
+                    if source >= 0:
+                        work.taken[source] += work.out[at + 8 * k]
+                        work.done[source] += work.out[at + 8 * k + 1]
+                for i in range(6):
+                    work.ground[i] += work.out[at + 2 + i]
 
 
 @inner
@@ -274,9 +283,11 @@ def ground(tables, work, x, g):
         for block in range(-(-head[COUNT] // LANES)):
             first, count = block * LANES, min(LANES, head[COUNT] - block * LANES)
             parameters = head[PAR] + block * LANES * head[SIZE]
-            call_kernel(head[RESIDUAL], x, tables.at, head[AT] + first, tables.par, parameters, g, out)
+            nn = head[NN]
+            places = head[AT] + block * LANES * (nn + head[ROWS])
+            call_kernel(head[RESIDUAL], x, tables.at, places, tables.par, parameters, g, out)
             for lane in range(count):
-                node, at = tables.conn[head[CONN] + first + lane], lane * (-(-6 // LANES) * LANES)
+                node, at = tables.conn[head[CONN] + (first + lane) * nn], lane * (-(-6 * nn // LANES) * LANES)
                 for i in range(3):
                     j, k = (i + 1) % 3, (i + 2) % 3
                     total[i] -= out[at + i]
@@ -284,6 +295,35 @@ def ground(tables, work, x, g):
                     if tables.half:
                         y, z = y - 0.5 * x[node, 12 + j], z - 0.5 * x[node, 12 + k]
                     total[3 + i] -= out[at + 3 + i] + y * out[at + k] - z * out[at + j]
+
+
+@inner
+def acts(tables, work, x, g):
+    """Fill ``work.joints`` (joints, 12), see :meth:`Jointed.acts`, the forces of the step before at the end; the work
+    of drives and of prescribed motion, for which statics take the mean of both ends of a step. Their rows of ``x`` keep
+    the coordinate."""
+    driven, prescribed, out = 0.0, 0.0, work.out
+    stride = -(-10 // LANES) * LANES
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        if head[ACTS] == 0:
+            continue
+        nn = head[NN]
+        for block in range(-(-head[COUNT] // LANES)):
+            first, count = block * LANES, min(LANES, head[COUNT] - block * LANES)
+            parameters, places = head[PAR] + block * LANES * head[SIZE], head[AT] + block * LANES * nn
+            call_kernel(head[ACTS], x, tables.at, places, tables.par, parameters, g, out)
+            for lane in range(count):
+                row = tables.conn[head[CONN] + (first + lane) * nn + nn - 1] - tables.nodes
+                at, own = lane * stride, work.joints[row]
+                for i in range(10):
+                    own[i] = out[at + i]
+                share = 0.5 if tables.rates == NONE else 1.0
+                prescribed += (share * own[8] + (1.0 - share) * own[10]) * own[7]
+                driven += (share * own[9] + (1.0 - share) * own[11]) * own[7]
+                own[10], own[11] = own[8], own[9]
+                x[tables.nodes + row, COORDINATE] = own[6]
+    return driven, prescribed
 
 
 @compiled

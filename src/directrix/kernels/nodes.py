@@ -8,6 +8,8 @@ from directrix.kernels.rates import DISSIPATIVE, dissipative
 
 __all__ = ["nodal_terms", "orthonormal"]
 
+DRIVE = 13  # place in the row of a joint
+
 
 @inner
 def orthonormal(q):
@@ -33,14 +35,16 @@ def nodal_terms(tables, work, x, g, external):
         for i in range(6):
             internal[node, i] = 0.0
             applied[node, i] = external[node, i]
-            follows = follows or external[node, 6 + i] != 0.0
+            follows = follows or (node < tables.nodes and external[node, 6 + i] != 0.0)
+    for joint in range(tables.nodes, applied.shape[0]):
+        x[joint, DRIVE] = external[joint, 6]
     if not follows and tables.rates != DISSIPATIVE:
         return False
     work.node_block[:] = 0.0
     if follows:
         _followers(tables, work, x, external)
     if tables.rates == DISSIPATIVE:
-        for node in range(applied.shape[0]):
+        for node in range(tables.nodes):
             _inertia(x[node], g, tables.lumped[node], internal[node], work.node_block[node])
     return True
 
@@ -50,7 +54,7 @@ def _followers(tables, work, x, external):
     """F = R f with R = R1, at half a step ½(R0 + R1) where a step balances there."""
     # 1, or the share of R1 in the mean
     share = 0.5 if tables.half else 1.0
-    for node in range(external.shape[0]):
+    for node in range(tables.nodes):
         y = x[node]
         for part in range(0, 6, 3):
             f = external[node, 6 + part : 9 + part]

@@ -88,9 +88,9 @@ def _turn(x, out):
 
 
 @compiled
-def begin(kind, carried, nodes, x, g):
+def begin(kind, carried, nodes, rows, x, g):
     """Prepare the place of the rates: predictors for ALPHA (see ``DirectorAcceleration``), R0 where rotations are
-    carried from iteration to iteration; others need nothing."""
+    carried from iteration to iteration; others need nothing. Accelerations are kept from ``rows`` on."""
     # here and elsewhere loops in place of slices that are assigned: those take two seconds more to compile
     for node in range(nodes if carried else 0):
         for i in range(9):
@@ -100,7 +100,7 @@ def begin(kind, carried, nodes, x, g):
     h, beta, gamma, am, af = g[H], g[BETA], g[GAMMA], g[AM], g[AF]
     v, w = np.empty(6), np.empty(3)
     for node in range(nodes):
-        y, old = x[node], x[nodes + node]
+        y, old = x[node], x[rows + node]
         _spin(y, 15, w)
         for i in range(3):
             v[i] = y[24 + i]
@@ -114,7 +114,7 @@ def begin(kind, carried, nodes, x, g):
 
 
 @inner
-def end(kind, nodes, x, g, lumped):
+def end(kind, nodes, rows, x, g, lumped):
     """Rates at the end of a step, in place; what the scheme took from the kinetic energy."""
     lost = 0.0
     v, w, slope = np.empty(6), np.empty(3), np.empty((3, 3))
@@ -134,7 +134,7 @@ def end(kind, nodes, x, g, lumped):
                 omega[i] = g[0] * theta[i] - (y[3 + i] * w[0] + y[6 + i] * w[1] + y[9 + i] * w[2])
             _rates_from_spin(y, omega)
         elif kind == ALPHA:
-            old = x[nodes + node]
+            old = x[rows + node]
             _turn(y, theta)
             for i in range(6):
                 place = 24 + i if i < 3 else 27 + i

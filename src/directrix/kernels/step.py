@@ -9,7 +9,20 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from directrix.kernels.chain import solve_chain
-from directrix.kernels.elements import BACK, CONN, COUNT, NN, assemble, books, commit, ground, internal_forces, lost
+from directrix.kernels.elements import (
+    BACK,
+    CONN,
+    COUNT,
+    NN,
+    UNKNOWN,
+    acts,
+    assemble,
+    books,
+    commit,
+    ground,
+    internal_forces,
+    lost,
+)
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
@@ -34,6 +47,7 @@ __all__ = [
 CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
 # places of `control`: what comes next, iterations so far, positions only, the node or element to blame
 PHASE, ITERATION, FROZEN, BLAME = range(4)
+ROUND_OFF = 1e-14
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
 
@@ -75,7 +89,7 @@ def spread(tables, work):
         head = tables.head[group]
         nn = head[NN]
         m = 6 * (nn - 2)
-        for e in range(head[COUNT] if nn > 2 else 0):
+        for e in range(head[COUNT] if nn > head[UNKNOWN] else 0):
             conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
             back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
             for i in range(m):
@@ -86,8 +100,9 @@ def spread(tables, work):
 
 
 @compiled
-def move(step, x, frozen, cayley, limit):
-    """Add the increments ``step`` (n, 6) to the nodes of ``x``; largest displacement and turn.
+def move(step, nodes, x, frozen, cayley, limit):
+    """Add the increments ``step`` (≥ n, 6) to the ``nodes`` of ``x`` and to the multipliers behind them; largest
+    displacement and turn.
 
     If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
     value that is not finite, or −1.
@@ -99,11 +114,15 @@ def move(step, x, frozen, cayley, limit):
         t2 = t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
         if not (d2 + t2 < 1e300):
             return moved, turned, node
-        moved, turned = max(moved, d2), max(turned, t2)
+        if node < nodes:
+            moved, turned = max(moved, d2), max(turned, t2)
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
     q, t = np.empty((3, 3)), np.empty(3)
-    for node in range(step.shape[0]):
+    for node in range(nodes, step.shape[0]):
+        for i in range(6):
+            x[node, i] += factor * step[node, i]
+    for node in range(nodes):
         for i in range(3):
             x[node, i] += factor * step[node, i]
             x[node, 12 + i] += factor * step[node, i]
@@ -123,34 +142,38 @@ def move(step, x, frozen, cayley, limit):
 def advance(tables, work, x, frozen, cayley, limit):
     """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
     spread(tables, work)
-    return move(work.step, x, frozen, cayley, limit)
+    return move(work.step, tables.nodes, x, frozen, cayley, limit)
 
 
 @inner
 def carry(tables, work, x, g):
     """Write the history after an iteration: rotations count from here on from R1 (in the place of R0)."""
     commit(tables, work, x, g)
-    for node in range(work.applied.shape[0]):
+    for node in range(tables.nodes):
         for i in range(9):
             x[node, 15 + i] = x[node, 3 + i]
 
 
 @compiled
-def imbalance(work, mask, tolerance, floor):
-    """Largest unbalanced force or moment over what is allowed, and its node."""
+def imbalance(nodes, work, mask, tolerance, floor, length):
+    """Largest unbalanced force or moment over what is allowed, and its node; behind the ``nodes`` constraints, which
+    may be off by 1e-12 of the ``length`` of the model. What rounds off where forces act on arms is always allowed."""
     applied = work.applied
     scale_f, scale_m = work.scale[0], work.scale[1]
     for node in range(applied.shape[0]):
         for i in range(3):
             scale_f = max(scale_f, abs(applied[node, i]))
             scale_m = max(scale_m, abs(applied[node, 3 + i]))
-    allowed_f = max(tolerance * scale_f, floor[0])
-    allowed_m = max(tolerance * scale_m, floor[1])
+    allowed_f = max(tolerance * scale_f, floor[0], ROUND_OFF * scale_m / length)
+    allowed_m = max(tolerance * scale_m, floor[1], ROUND_OFF * scale_f * length)
     worst, at = 0.0, 0
     for node in range(applied.shape[0]):
         for i in range(6):
             if not mask[node, i]:
-                off = abs(work.internal[node, i] - applied[node, i]) / (allowed_f if i < 3 else allowed_m)
+                allowed = allowed_f if i < 3 else allowed_m
+                if node >= nodes:
+                    allowed = 1e-12 * length if i < 3 else 1e-12
+                off = abs(work.internal[node, i] - applied[node, i]) / allowed
                 if not off <= worst:
                     worst, at = off, node
     return worst, at
@@ -169,7 +192,7 @@ def newton(tables, work, x, g, external, mask, options, control):
         if control[PHASE] == 0:
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
-                control[BLAME] = imbalance(work, mask, tolerance, floor)[1]
+                control[BLAME] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[1]
                 return LIMIT
             control[ITERATION] += 1
             bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
@@ -198,7 +221,7 @@ def newton(tables, work, x, g, external, mask, options, control):
             control[FROZEN] = 1
         elif moved <= 1e-9 * length and turned <= 1e-9:
             internal_forces(tables, work, x, g, external)
-            worst, at = imbalance(work, mask, tolerance, floor)
+            worst, at = imbalance(tables.nodes, work, mask, tolerance, floor, length)
             control[BLAME] = at
             if worst <= 1.0:
                 return CONVERGED
@@ -212,11 +235,11 @@ def finish(tables, work, x, g, before, mask, totals, strains):
 
     Work is booked with the mean of the loads ``before`` (n, 6) and ``work.applied``; statics take the mean of the
     support forces as well. ``work.flow`` receives the work of the loads, the work at the supports, Σ force (3) and
-    Σ moment about the origin (3) at x½ of loads and supports together, and what the scheme dissipated;
-    ``work.reaction`` (n, 6) the support forces.
+    Σ moment about the origin (3) at x½ of loads and supports together, what was dissipated and the work that was done
+    on elements; ``work.taken`` and ``work.done`` have these by source, ``work.reaction`` (n, 6) the support forces.
     """
     internal, reaction, applied = work.internal, work.reaction, work.applied
-    nodes = applied.shape[0]
+    nodes = tables.nodes
     static = tables.rates == NONE
     base = 24 if tables.carried else 12
     done, at_supports = 0.0, 0.0
@@ -247,18 +270,24 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             moment[i] += applied[node, 3 + i] + reaction[node, 3 + i]
             moment[i] += (y[j] - 0.5 * y[12 + j]) * (applied[node, k] + reaction[node, k])
             moment[i] -= (y[k] - 0.5 * y[12 + k]) * (applied[node, j] + reaction[node, j])
+    work.taken[:] = 0.0
+    work.done[:] = 0.0
+    ground(tables, work, x, g)
+    lost(tables, work, x, g)
+    driven, prescribed = acts(tables, work, x, g)
+    done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
         x[:nodes, 24:36] = 0.0
     else:
         commit(tables, work, x, g)
-    taken = lost(tables, work, x, g)
-    ground(tables, work, x, g)
     for i in range(3):
         force[i] += work.ground[i]
         moment[i] += work.ground[3 + i]
     for node in range(nodes):
         orthonormal(x[node, 3:12])
-    taken += end(tables.rates, nodes, x, g, tables.lumped)
+    taken = end(tables.rates, nodes, work.applied.shape[0], x, g, tables.lumped)
+    if tables.numerical >= 0:
+        work.taken[tables.numerical] += taken
     for node in range(nodes):
         for i in range(12):
             x[node, 12 + i] = 0.0 if i < 3 else x[node, i]
@@ -271,18 +300,26 @@ def finish(tables, work, x, g, before, mask, totals, strains):
             work.before[point, i] = strains[point, i]
     books(tables, work, x, totals, strains)
     if damped:
-        taken += _dissipated(tables.damping, work.before, strains)
-    work.flow[8] = taken
+        _dissipated(tables, work, strains)
+    work.flow[8], work.flow[9] = 0.0, 0.0
+    for source in range(work.taken.shape[0]):
+        work.flow[8] += work.taken[source]
+        work.flow[9] += work.done[source]
 
 
 @inner
-def _dissipated(damping, before, after):
-    """Σ Δε·Q Δε over the stress points, ``damping`` (stations, 6, 6) = Q with the weights of the points in it."""
-    total = 0.0
-    for point in range(damping.shape[0]):
-        for i in range(6):
-            for j in range(6):
-                total += (
-                    (after[point, i] - before[point, i]) * damping[point, i, j] * (after[point, j] - before[point, j])
-                )
-    return total
+def _dissipated(tables, work, after):
+    """Add Σ Δε·Q Δε of the stress points to ``work.taken``: Q has the weights of the points in it."""
+    damping, before = tables.damping, work.before
+    for part in range(damping.shape[0]):
+        for point in range(damping.shape[1]):
+            total = 0.0
+            for i in range(6):
+                for j in range(6):
+                    total += (
+                        (after[point, i] - before[point, i])
+                        * damping[part, point, i, j]
+                        * (after[point, j] - before[point, j])
+                    )
+            if total != 0.0:
+                work.taken[tables.damped[part, point]] += total

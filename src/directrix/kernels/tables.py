@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 
 from directrix.basis import gauss
 from directrix.discretisation import Discretisation
-from directrix.formulations.element import Committed, Lossy, record_audit, record_commit, record_lost, record_step
+from directrix.formulations.element import (
+    FLOWS,
+    Committed,
+    Jointed,
+    Lossy,
+    record_acts,
+    record_audit,
+    record_commit,
+    record_lost,
+    record_step,
+)
 from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
@@ -42,8 +52,12 @@ class Tables(NamedTuple):
     rates: int
     half: bool
     carried: bool
+    nodes: int
     lumped: Array
     damping: Array
+    damped: Ints
+    source: Ints
+    numerical: int
 
 
 class Work(NamedTuple):
@@ -67,6 +81,9 @@ class Work(NamedTuple):
     back: Array
     flow: Array
     ground: Array
+    taken: Array
+    done: Array
+    joints: Array
     common: Array
 
 
@@ -78,7 +95,7 @@ def in_lanes(parameters: Any) -> Any:
     return padded.reshape(blocks, LANES, size).transpose(0, 2, 1).ravel()
 
 
-def _kernels(group: Group) -> tuple[int, int, int, int, int]:
+def _kernels(group: Group) -> tuple[int, ...]:
     layout, element = group.layout, group.element
     about = f"{layout} {element}"
     return (
@@ -88,7 +105,10 @@ def _kernels(group: Group) -> tuple[int, int, int, int, int]:
         kernel_address(f"commit {about}", lambda: record_commit(cast(Committed, element), layout))
         if element.rows(layout)
         else 0,
-        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout)) if group.lossy else 0,
+        kernel_address(f"lost {about}", lambda: record_lost(cast(Lossy, element), layout))
+        if group.lossy or group.works
+        else 0,
+        kernel_address(f"acts {about}", lambda: record_acts(cast(Jointed, element), layout)) if group.jointed else 0,
     )
 
 
@@ -97,8 +117,8 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
     head: list[tuple[int, ...]] = []
     conn, places, par, station = (list[Ints](), list[Ints](), list[Array](), list[Ints]())
     at: dict[str, int] = dict.fromkeys(("conn", "par", "element", "back", "at"), 0)
-    history = disc.nodes * (2 if scheme.nodal_rows else 1)
-    for group in disc.groups:
+    history = disc.rows + (disc.nodes if scheme.nodal_rows else 0)
+    for group, dest in zip(disc.groups, disc.pattern.first, strict=True):
         ne, nn = group.conn.shape
         rows = group.element.rows(group.layout)
         lanes = in_lanes(group.parameters)
@@ -106,7 +126,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             (
                 *_kernels(group), nn, ne, at["conn"], at["par"], group.layout.size, group.layout.points,
                 at["element"], at["back"], at["at"], rows, history,
-                int(group.grounded),
+                int(group.grounded), dest, group.in_pattern.shape[1],
             )
         )  # fmt: skip
         conn.append(group.conn.ravel())
@@ -119,7 +139,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
             ("conn", ne * nn),
             ("par", lanes.size),
             ("element", ne),
-            ("back", 6 * max(0, nn - 2) * ne),
+            ("back", 6 * (nn - group.in_pattern.shape[1]) * ne),
             ("at", places[-1].size),
         ):
             at[key] += n
@@ -137,42 +157,55 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.node_of_row,
         pattern.rowptr,
         pattern.diagonal,
-        pattern.dest.ravel(),
+        pattern.dest,
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
+        disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
-        _damping(disc, scheme),
+        *_damping(disc, scheme),
+        disc.sources.element,
+        disc.sources.numerical,
     )
 
 
-def _damping(disc: Discretisation, scheme: Scheme) -> Array:
-    """(stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε; (0, 6, 6) when nothing does."""
+def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
+    """(parts, stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε, and the source (parts, stations) it is booked
+    under: first the viscous sections, then the scheme; no parts when nothing dissipates."""
+    sources, chi = disc.sources, scheme.common[2]
+    matrices: list[Array] = []
+    booked: list[Ints] = []
+    if sources.material.max(initial=-1) >= 0:
+        matrices.append(_at_stations(disc, 6, scheme.common[1]))
+        booked.append(np.repeat(sources.material, [len(rod.stations) for rod in disc.mesh.rods]))
+    if sources.numerical >= 0 and chi:
+        matrices.append(_at_stations(disc, 1, 0.5 * chi))
+        booked.append(np.full(disc.stations, sources.numerical))
+    shape = (len(matrices), disc.stations)
+    return np.array(matrices).reshape(*shape, 6, 6), np.array(booked, np.int64).reshape(shape)
+
+
+def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:
+    """``factor`` times a matrix of the parameters, with the weights of the stress points, (stations, 6, 6)."""
     out = np.zeros((disc.stations, 6, 6))
-    if scheme.static or scheme.rates is Rates.ALPHA:
-        return out[:0]
-    chi = scheme.common[2]
     for group in disc.groups:
-        if group.names:
-            continue
         parts = group.layout.split(group.parameters.T)  # type: ignore[arg-type]
-        weights = gauss(group.layout.points)[1]
+        if group.names or not len(parts[block]):
+            continue
         unit: Any = np.eye(6)[:, :, None]
-        matrix = 0.5 * chi * np.array(symmetric_times(parts[1], unit))
-        if len(parts[6]):
-            matrix = matrix + scheme.common[1] * np.array(symmetric_times(parts[6], unit))
-        for k, w in enumerate(weights):
+        matrix = factor * np.array(symmetric_times(parts[block], unit))
+        for k, w in enumerate(gauss(group.layout.points)[1]):
             out[group.station + k] = (w / parts[2][k] * matrix).transpose(2, 0, 1)
-    return out if np.any(out) else out[:0]
+    return out
 
 
 def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     """Workspace for one run."""
-    n, rows = disc.nodes, len(disc.pattern.node_of_row)
+    n, rows = disc.rows, len(disc.pattern.node_of_row)
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
-    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history)
-    inside = sum(6 * max(0, g.layout.nn - 2) * len(g.conn) for g in disc.groups)
+    outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
+    inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
         applied=np.zeros((n, 6)),
@@ -188,9 +221,12 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
-        eliminated=np.zeros((6 * most - 12, 6 * most - 12)),
+        eliminated=np.zeros((max(0, 6 * most - 12),) * 2),
         back=np.zeros((inside, 13)),
-        flow=np.zeros(9),
+        flow=np.zeros(10),
         ground=np.zeros(6),
+        taken=np.zeros(len(disc.sources.names)),
+        done=np.zeros(len(disc.sources.names)),
+        joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
     )

@@ -14,11 +14,12 @@ import numpy as np
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
-from directrix.model import Model, Vec, VecOrFn
+from directrix.model import Model, Vec
+from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
-from directrix.schema.functions import Ramp, Rotated, Scaled, VectorTable
+from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
@@ -101,6 +102,8 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
             sections[name] = _section(table)
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections)
+    for k, node in enumerate(tables.node):
+        yield ("node", k), partial(_node, node)
     for k, support in enumerate(tables.support):
         yield ("support", k), partial(_support, support)
     for k, moved in enumerate(tables.prescribe):
@@ -108,11 +111,21 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     for key in ("force", "moment", "distributed"):
         for k, load in enumerate(getattr(tables, key)):
             yield (key, k), partial(_load, load)
+    for k, pressed in enumerate(tables.pressure):
+        yield ("pressure", k), partial(_pressure, pressed)
     if tables.gravity is not None:
         yield ("gravity",), partial(_load, tables.gravity)
     for key in ("spring", "cable", "dashpot", "point_mass", "rigid_body"):
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
+    for k, actuated in enumerate(tables.actuate):
+        yield ("actuate", k), partial(_actuate, actuated)
+    for k, tendon in enumerate(tables.tendon):
+        yield ("tendon", k), partial(_tendon, tendon)
+    for k, dragged in enumerate(tables.drag):
+        yield ("drag", k), partial(_drag, dragged)
+    for k, joint in enumerate(tables.joint):
+        yield ("joint", k), partial(_joint, joint)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -196,16 +209,40 @@ def _support(support: m.Support, model: Model) -> Model:
 
 
 def _load(load: m.Load, model: Model) -> Model:
-    value: VecOrFn = load.value if load.time is None else Scaled(load.value, load.time)
+    value: Any = timed(load.value, load.time)
     match load:
         case m.Force():
             return model.force(load.node, value, constant=load.constant, follower=load.follower)
         case m.Moment():
             return model.moment(load.node, value, constant=load.constant, follower=load.follower)
         case m.Distributed():
-            return model.distributed(load.rod, value, constant=load.constant)
+            return model.distributed(load.rod, value, constant=load.constant, follower=load.follower)
         case _:
             return model.gravity(value, constant=load.constant)
+
+
+def _pressure(load: m.Pressure, model: Model) -> Model:
+    value = timed(load.value, load.time)
+    return model.pressure(load.rod, value, width=load.width, along=load.along, constant=load.constant)
+
+
+def _actuate(table: m.Actuate, model: Model) -> Model:
+    parts = ((key, getattr(table, key)) for key in ("curvature", "twist", "elongation", "strain"))
+    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts if v is not None})
+
+
+def _tendon(table: m.Tendon, model: Model) -> Model:
+    tension = timed(table.tension, table.time)
+    if table.nodes is not None:
+        offset = table.offsets or ((0.0, 0.0, 0.0),) * len(table.nodes)
+        return model.tendon(table.nodes, tension, offset=offset, name=table.name, constant=table.constant)
+    offset = table.offset if table.offset_end is None else (table.offset, table.offset_end)
+    return model.tendon(table.rod or "", tension, offset=offset, name=table.name, constant=table.constant)
+
+
+def _drag(table: m.Drag, model: Model) -> Model:
+    flow = timed(table.flow, table.time)
+    return model.drag(table.rod, table.normal, table.tangential, flow=flow, constant=table.constant)
 
 
 def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
@@ -214,6 +251,23 @@ def _attach(kind: str, table: m.Link | m.PointMass, model: Model) -> Model:
     if "mass" in given and kind == "point_mass":
         given["m"] = given.pop("mass")
     return getattr(model, kind)(**given)
+
+
+def _node(node: j.Node, model: Model) -> Model:
+    return model.node(node.name, node.at)
+
+
+def _joint(joint: j.AnyJoint, model: Model) -> Model:
+    """The method of the model has the name of the kind, and its arguments the names of the keys."""
+    given = dict(joint.model_dump(exclude={"kind", "time"}, exclude_unset=True))
+    if isinstance(joint, j.Driven):
+        for key in ("prescribed", "drive"):
+            value = getattr(joint, key)
+            if isinstance(value, float) and joint.time is not None:
+                value = ScaledNumber(value, joint.time)
+            if value is not None:
+                given[key] = value
+    return getattr(model, joint.kind)(**given)
 
 
 def _velocity(start: m.Velocity, model: Model) -> Model:
@@ -249,10 +303,13 @@ def _moving(value: Vec | VectorTable | None, moved: m.Prescribe) -> Vec | Vector
 
 def _position(node: str, model: Model) -> Vec:
     """Where a named node is in the reference."""
+    for free in model.nodes:
+        if free.name == node:
+            return free.at
     for rod in model.rods:
         for name, fraction in ((rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes):
             if name == node:
                 x, y, z = rod.curve.position(fraction * rod.curve.length).tolist()
                 return (x, y, z)
-    known = ", ".join(name for rod in model.rods for name in rod.names)
-    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {known}")
+    known = [name for rod in model.rods for name in rod.names] + [free.name for free in model.nodes]
+    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}")

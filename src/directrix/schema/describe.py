@@ -7,9 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import functions
 from directrix.discretisation import Discretisation
-from directrix.model import DOFS, Distributed, Force, Gravity, Moment, RigidVelocity
-from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, Sine, Table, VectorTable
+from directrix.joints import KINDS, Joint
+from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity
+from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, ScaledNumber, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import ArcLength, DisplacementControl, Statics
 from directrix.section import Section
@@ -36,7 +38,8 @@ def describe(case: Case) -> str:
 def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     yield from (f"  {line}" for line in case.description.strip().splitlines())
     yield from _analysis(case, disc)
-    yield "rods"
+    if disc.mesh.rods:
+        yield "rods"
     for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True):
         d1, d3 = mesh.directors[0, :, 0], mesh.directors[0, :, 2]
         count, points = (len(mesh.s) - 1) // rod.order, rod.points or rod.order
@@ -50,11 +53,15 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
         moved = " (moves as prescribed)" if any(p[0] == k for p in disc.prescribed) else ""
         yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
     yield from _attached(disc)
+    yield from _joints(disc, isinstance(case.analysis, Statics))
     yield from _loads(disc, isinstance(case.analysis, Statics))
     assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
         yield "notes"
         yield from (f"  {note}" for note in notes)
+    if found := case.findings():
+        yield "findings"
+        yield from (f"  {f.what}; {f.fix}" for f in found)
     yield "conventions"
     yield from (f"  {line}" for line in CONVENTIONS)
 
@@ -74,7 +81,9 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
     rods = len(disc.mesh.rods)
-    size = f"{rods} rod{'s' * (rods > 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    size = f"{rods} rod{'s' * (rods != 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    if multipliers := int((~disc.held[disc.nodes :]).sum()):
+        size += f" and {multipliers} multipliers of joints"
     yield f"  {size}, {shape}"
 
 
@@ -131,6 +140,46 @@ def _attached(disc: Discretisation) -> Iterator[str]:
         yield f"  body on {body.node}: mass {body.mass:.6g}, moments {_vector(np.diag(body.inertia))}"
 
 
+FREE = {
+    "rigid": "nothing",
+    "spherical": "all turning",
+    "hinge": "turning about {axis}",
+    "universal": "turning about {axis} of {a} and {second} of {b}",
+    "cylindrical": "sliding along and turning about {axis}",
+    "slider": "sliding along {axis}",
+    "planar": "sliding across and turning about {axis}",
+}
+
+
+def _joints(disc: Discretisation, static: bool) -> Iterator[str]:
+    places = {name: disc.mesh.r0[k] for name, k in disc.mesh.node_names.items()}
+    if disc.model.joints:
+        yield "joints"
+    for joint in disc.model.joints:
+        to = joint.b or "ground"
+        base = joint.a if joint.b else "ground"
+        axis, second = (_vector(np.array(u if u is not None else (0, 0, 0), float)) for u in (joint.axis, joint.second))
+        free = FREE[joint.kind].format(axis=axis, second=second, a=base, b=joint.nodes[-1])
+        yield f"  {joint.kind} {joint.name}: {joint.a} – {to}, at {_vector(joint.place(places))}, leaves free: {free}"
+        if acting := list(_acting(joint, static)):
+            yield f"    on its {KINDS[joint.kind].free.replace('ball', 'relative rotation')}: {', '.join(acting)}"
+
+
+def _acting(joint: Joint, static: bool) -> Iterator[str]:
+    if joint.stiffness:
+        yield f"stiffness {joint.stiffness:.6g}" + (f" from {joint.rest:.6g} on" if joint.rest else "")
+    if joint.damping:
+        yield f"damping {joint.damping:.6g}"
+    if joint.drive is not None:
+        yield f"drive {_text(joint.drive)}" + (" (times the load factor)" if static else "")
+    if joint.prescribed is not None:
+        ramps = static and isinstance(joint.prescribed, float)
+        yield f"prescribed {_text(joint.prescribed)}" + (" (ramps with the load factor)" if ramps else "")
+    if joint.stops is not None:
+        low, high = joint.stops
+        yield f"stops at {low:.6g} and {high:.6g} of stiffness {joint.stop_stiffness:.6g}"
+
+
 def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
     model = disc.model
     if model.loads:
@@ -143,11 +192,14 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
                 what = f"moment on {load.node}"
             case Distributed():
                 what = f"force per length along {load.rod}"
+            case Pressure():
+                what = f"pressure on {load.rod}, {load.width:.6g} wide, along {load.along}"
             case Gravity():
                 what = "gravity"
         yield f"  {what}: {_text(load.value)}{', constant' if load.constant else ''}" + (
-            ", turns with the node" if isinstance(load, Force | Moment) and load.follower else ""
+            ", turns with the node" if isinstance(load, Force | Moment | Distributed) and load.follower else ""
         )
+    yield from _driven(model)
     if model.prescribed:
         yield "prescribed motion" + (" (plain values ramp with the load factor)" if static else "")
     for p in model.prescribed:
@@ -161,15 +213,39 @@ def _loads(disc: Discretisation, static: bool) -> Iterator[str]:
         )
 
 
+def _driven(model: Model) -> Iterator[str]:
+    for a in model.actuations:
+        parts = {"curvature": a.curvature, "twist": a.twist, "elongation": a.elongation, "strain": a.strain}
+        yield f"actuation of {a.rod}: " + "; ".join(f"{k} {_text(v)}" for k, v in parts.items() if v is not None)
+    for t in model.tendons:
+        along = f"along {t.along}" if isinstance(t.along, str) else f"through {' – '.join(t.along)}"
+        offset = repr(t.offset) if callable(t.offset) else ", ".join(_vector(o) for o in np.atleast_2d(t.offset))
+        yield f"tendon {t.name}: {along}, offset {offset}, tension {_text(t.tension)}{', constant' * t.constant}"
+    for d in model.drags:
+        flow = f", flow {_text(d.flow)}{', constant' * d.constant}"
+        yield f"drag on {d.rod}: normal {d.normal:.6g}, tangential {d.tangential:.6g}{flow}"
+
+
 def _text(value: object) -> str:
     """A vector or a function of time in words."""
     match value:
         case None:
             return "–"
-        case (float(), float(), float()):
+        case float():
+            return f"{value:.6g}"
+        case tuple():
             return _vector(np.array(value, float))
+        case functions.Ramp():
+            return f"{_text(value.value)} × ramp, t = {value.t0:g} … {value.t1:g}"
+        case functions.Harmonic():
+            wave = f"{_text(value.value)} × sin, frequency {value.frequency:g}, phase {value.phase:g}"
+            return wave + (f", about {_text(value.mean)}" if value.mean != 0.0 else "")
+        case functions.Table():
+            return f"table of {len(value.times)} values, t = {value.times[0]:g} … {value.times[-1]:g}"
+        case ScaledNumber():
+            return f"{value.value:.6g} × {_text(value.factor)}"
         case Scaled():
-            return f"{_vector(np.array(value.value))} × {_text(value.factor)}"
+            return f"{_text(value.value)} × {_text(value.factor)}"
         case Rotated():
             return f"{_text(value.displacement)}, then turned about {_text(value.about)} by {_text(value.turn)}"
         case Table() | VectorTable():

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from directrix import functions
 from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
 
 Array = NDArray[np.float64]
 Vec = tuple[float, float, float]
 
-__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "Sine", "Table", "Time", "VectorTable"]
+__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable", "timed"]
 
 
 class Table(Strict):
@@ -142,13 +143,41 @@ def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
 
 @dataclass(frozen=True)
 class Scaled:
-    """A vector (3,) times a factor of time."""
+    """A number or a vector times a factor of time."""
 
-    value: Vec
+    value: float | tuple[float, ...]
     factor: Time
 
     def __call__(self, t: float) -> Array:
         return self.factor(t) * np.array(self.value)
+
+
+def timed(value: float | tuple[float, ...], factor: Time | None) -> Any:
+    """A value times a factor of time: what ``dx.ramp``, ``dx.harmonic`` and ``dx.table`` give, where they do."""
+    given = np.array(value)
+    match factor:
+        case None:
+            return value
+        case Ramp():
+            return functions.ramp(given, factor.start, factor.until)
+        case Sine():
+            mean = factor.mean * given if factor.mean else 0.0
+            return functions.harmonic(factor.amplitude * given, factor.frequency, factor.phase, mean=mean)
+        case Table():
+            return functions.table(factor.t, [v * given for v in factor.value])
+        case Pulse():
+            return Scaled(value, factor)
+
+
+@dataclass(frozen=True)
+class ScaledNumber:
+    """A number times a factor of time."""
+
+    value: float
+    factor: Time
+
+    def __call__(self, t: float) -> float:
+        return self.factor(t) * self.value
 
 
 @dataclass(frozen=True)

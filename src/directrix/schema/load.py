@@ -33,6 +33,7 @@ from directrix.schema.places import json_places, toml_places
 if TYPE_CHECKING:
     from directrix.controls import Control
     from directrix.discretisation import Discretisation
+    from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
     from directrix.result import Result
@@ -65,6 +66,7 @@ class Case:
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
+        from directrix.diagnosis import examine, refuse
         from directrix.discretisation import discretise
         from directrix.dynamics import refuse_damping
         from directrix.statics import static_scheme
@@ -72,9 +74,17 @@ class Case:
         self.model.check()
         do = self.analysis
         if isinstance(do, Statics):
-            return discretise(self.model, static_scheme(self.model, self._formulation(do)))
+            scheme = static_scheme(self.model, self._formulation(do))
+            disc = discretise(self.model, scheme)
+            refuse(examine(disc, scheme))
+            return disc
         refuse_damping(self.model, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
+
+    def findings(self) -> tuple[Finding, ...]:
+        """What may be wrong with the case, though it can be run. Raises ModelError."""
+        static = isinstance(self.analysis, Statics)
+        return self.model.check(static=static, dynamic=not static)
 
     @property
     def control(self) -> Control | None:
@@ -158,8 +168,13 @@ def load_case(path: str | PathLike[str]) -> Case:
         disc = case.check()
     except ModelError as error:
         build_model(tables, title, source, check_each=True)
-        # no entry is to blame alone: name the rod that is spoken of, or the analysis
-        spoken = [("rod", k) for k, rod in enumerate(tables.rod) if repr(rod.name) in error.what]
+        # no entry is to blame alone: name the rod, node or joint that is spoken of, or the analysis
+        spoken = [
+            (key, k)
+            for key in ("rod", "joint", "node")
+            for k, entry in enumerate(getattr(tables, key))
+            if repr(entry.name) in error.what
+        ]
         with placed(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",)):
             raise
     if tables.statics is not None and tables.statics.control is not None:

@@ -181,6 +181,8 @@ def _entries(loc: Sequence[str | int]) -> str:
 _ENTRIES = {
     "line": ("two points", "three numbers"),
     "ends": ("two names", ""),
+    "axes": ("two vectors", "three numbers"),
+    "stops": ("two numbers, lower and upper", ""),
     "stiffness": ("six rows", "six numbers"),
     "I_rho": ("two rows", "two numbers"),
 }

@@ -13,6 +13,7 @@ from directrix.checks import step_count
 from directrix.errors import ModelError
 from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
 from directrix.schema.functions import Time, VectorTable
+from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
 
 __all__ = ["CURVES", "CaseFile", "Dynamics", "Output", "Statics"]
@@ -197,9 +198,25 @@ class Moment(Load):
 
 
 class Distributed(Load):
-    """Dead force per reference length along a rod."""
+    """Force per reference length along a rod."""
 
     rod: Name
+    follower: bool = False
+    """It turns with the sections; ``value`` is then its direction in the reference."""
+
+
+class Pressure(Strict):
+    """Pressure on one side of a rod: value · width per reference length, along a director."""
+
+    rod: Name
+    value: float
+    width: Positive = 1.0
+    along: Literal["d1", "d2", "-d1", "-d2"] = "d1"
+    """The director that it pushes along; the force follows the section."""
+    time: Time | None = None
+    """Factor of time (statics: of the load factor, which multiplies the load as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: not multiplied by the load factor."""
 
 
 class Gravity(Load):
@@ -270,6 +287,72 @@ class Dashpot(Link):
     damping: Positive
 
 
+# --- what drives and resists
+
+
+Pair = tuple[float, float]
+
+
+class Actuate(Strict):
+    """Strain at which a rod is without stress; what is given adds up."""
+
+    rod: Name
+    curvature: Annotated[Pair, Field(strict=False)] | None = None
+    """Bending 1 and bending 2, about d1 and d2."""
+    twist: float | None = None
+    elongation: float | None = None
+    strain: Annotated[tuple[float, float, float, float, float, float], Field(strict=False)] | None = None
+    """Shear 1, shear 2, axial, bending 1, bending 2, torsion."""
+    time: Time | None = None
+    """Factor of time; statics ramps with the load factor unless given."""
+
+
+class Tendon(Strict):
+    """A tendon without friction along a rod or from node to node, of given tension."""
+
+    name: Name | None = None
+    """"tendon1", "tendon2", … unless given."""
+    rod: Name | None = None
+    """The rod that it goes along, through the ends of its elements."""
+    nodes: Annotated[tuple[Name, ...], Field(strict=False, min_length=2)] | None = None
+    """The nodes that it goes through."""
+    tension: NotNegative
+    offset: Annotated[Pair, Field(strict=False)] = (0.0, 0.0)
+    """Along a rod: distance from the axis along d1 and d2."""
+    offset_end: Annotated[Pair, Field(strict=False)] | None = None
+    """The same at the end of the rod, linear between; ``offset`` unless given."""
+    offsets: Vectors | None = None
+    """Through nodes: from each node to its point, in the reference."""
+    time: Time | None = None
+    """Factor of time (statics: of the load factor, which multiplies the tension as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: not multiplied by the load factor."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.rod is None) == (self.nodes is None):
+            raise refuse("a tendon needs either rod or nodes", "name the rod it goes along, or the nodes")
+        if self.offsets is not None and self.rod is not None:
+            raise refuse("offsets belong to nodes", "a tendon along a rod has offset and offset_end", "offsets")
+        return self
+
+
+class Drag(Strict):
+    """Quadratic drag of a fluid: −normal |v_n| v_n − tangential |v_t| v_t per reference length."""
+
+    rod: Name
+    normal: NotNegative
+    """½ ρ C_n d."""
+    tangential: NotNegative = 0.0
+    """½ ρ C_t π d."""
+    flow: Vector = (0.0, 0.0, 0.0)
+    """Velocity of the fluid."""
+    time: Time | None = None
+    """Factor on ``flow`` (statics: of the load factor, which multiplies it as well unless ``constant``)."""
+    constant: bool = False
+    """Statics: the flow is not multiplied by the load factor."""
+
+
 class PointMass(Strict):
     """Mass on a node."""
 
@@ -278,10 +361,12 @@ class PointMass(Strict):
 
 
 class RigidBody(PointMass):
-    """Rigid body on a node, its centre of mass there."""
+    """Rigid body on a node, its centre of mass there or ``offset`` from it."""
 
     inertia: Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
     """3×3 about its centre of mass, in the reference frame."""
+    offset: Vector | None = None
+    """From the node to its centre of mass, which is then a node "NODE.body" in a rigid joint of that name."""
 
 
 # --- what to do
@@ -428,22 +513,28 @@ class Output(Strict):
 
 
 class CaseFile(Strict):
-    """A case: sections, rods, what holds, moves and loads them, and one analysis."""
+    """A case: sections, rods, nodes, what joins, holds, moves and loads them, and one analysis."""
 
     title: str = ""
     description: str = ""
-    section: Annotated[dict[Name, Section], Field(min_length=1)]
-    rod: Annotated[tuple[Rod, ...], Field(strict=False, min_length=1)]
+    section: dict[Name, Section] = Field(default_factory=dict[str, Section])
+    rod: Annotated[tuple[Rod, ...], Field(strict=False)] = ()
+    node: Annotated[tuple[Node, ...], Field(strict=False)] = ()
+    joint: Annotated[tuple[AnyJoint, ...], Field(strict=False)] = ()
     support: Annotated[tuple[Support, ...], Field(strict=False)] = ()
     prescribe: Annotated[tuple[Prescribe, ...], Field(strict=False)] = ()
     force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
     moment: Annotated[tuple[Moment, ...], Field(strict=False)] = ()
     distributed: Annotated[tuple[Distributed, ...], Field(strict=False)] = ()
+    pressure: Annotated[tuple[Pressure, ...], Field(strict=False)] = ()
     gravity: Gravity | None = None
     velocity: Annotated[tuple[Velocity, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[Spring, ...], Field(strict=False)] = ()
     cable: Annotated[tuple[Cable, ...], Field(strict=False)] = ()
     dashpot: Annotated[tuple[Dashpot, ...], Field(strict=False)] = ()
+    actuate: Annotated[tuple[Actuate, ...], Field(strict=False)] = ()
+    tendon: Annotated[tuple[Tendon, ...], Field(strict=False)] = ()
+    drag: Annotated[tuple[Drag, ...], Field(strict=False)] = ()
     point_mass: Annotated[tuple[PointMass, ...], Field(strict=False)] = ()
     rigid_body: Annotated[tuple[RigidBody, ...], Field(strict=False)] = ()
     rigid_velocity: RigidVelocity | None = None
@@ -451,16 +542,36 @@ class CaseFile(Strict):
     dynamics: Dynamics | None = None
     output: Output = Output()
 
+    @property
+    def grounded(self) -> bool:
+        """True when something holds a part of the model."""
+        links = (*self.spring, *self.cable, *self.dashpot)
+        return bool(
+            self.support
+            or self.prescribe
+            or any(joint.b is None for joint in self.joint)
+            or any(not isinstance(link.b, str) for link in links)
+        )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not self.rod and not self.node:
+            raise refuse(
+                "the file has neither a [[rod]] nor a [[node]]",
+                "add a [[rod]] with its [section.…], or a [[node]] with a [[rigid_body]]",
+            )
+        return self
+
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
             raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
         if self.statics is not None and self.dynamics is not None:
             raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
-        if self.statics is not None and not self.support and not self.prescribe:
+        if self.statics is not None and not self.grounded:
             raise refuse(
                 "nothing is held, and statics needs a support for every part of the model",
-                "add a [[support]], or replace [statics] by [dynamics]",
+                "add a [[support]] or a [[joint]] with the ground, or replace [statics] by [dynamics]",
                 "statics",
             )
         for key in ("velocity", "rigid_velocity"):

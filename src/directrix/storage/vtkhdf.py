@@ -119,7 +119,7 @@ def load(path: str | os.PathLike[str]) -> Result:
 
 def _write_vtk(root: h5py.Group, result: Result) -> None:
     mesh, t = result.mesh, result.t
-    nodes = np.concatenate([rod.nodes for rod in mesh.rods])
+    nodes = _one_after_the_other([rod.nodes for rod in mesh.rods]).astype(np.int64)
     connectivity, offsets = _lines(mesh)
     points, cells, instants = len(nodes), len(offsets) - 1, len(t)
 
@@ -168,18 +168,24 @@ def _lines(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         ids.append((start + rod.order * np.arange(elements)[:, None] + np.arange(rod.order + 1)).ravel())
         sizes.append(np.full(elements, rod.order + 1))
         start += len(rod.nodes)
-    return np.concatenate(ids), np.concatenate([[0], np.cumsum(np.concatenate(sizes))])
+    ends = np.cumsum(_one_after_the_other(sizes))
+    return _one_after_the_other(ids).astype(np.int64), np.concatenate([[0], ends]).astype(np.int64)
+
+
+def _one_after_the_other(parts: list[Any], *shape: int) -> NDArray[Any]:
+    """The parts along their first axis, which models without rods do not have: rows of ``shape`` then."""
+    return np.concatenate(parts) if parts else np.zeros((0, *shape))
 
 
 def _point_data(result: Result, nodes: NDArray[np.int64]) -> Iterator[tuple[str, NDArray[Any]]]:
     rods = result.mesh.rods
     yield "displacement", (result.r - result.mesh.r0)[:, nodes]
     yield "velocity", result.v[:, nodes]
-    reference = np.concatenate([rod.directors for rod in rods])
+    reference = _one_after_the_other([rod.directors for rod in rods], 3, 3)
     rotation = result.R[:, nodes]
     for k in range(3):
         yield f"d{k + 1}", np.einsum("tnij,nj->tni", rotation, reference[:, :, k])
-    yield "arclength", np.concatenate([rod.s for rod in rods])[None]
+    yield "arclength", _one_after_the_other([rod.s for rod in rods])[None]
     yield "rod", np.repeat(np.arange(len(rods)), [len(rod.nodes) for rod in rods])[None]
 
 
@@ -191,7 +197,7 @@ def _cell_data(result: Result) -> Iterator[tuple[str, NDArray[Any]]]:
         part = result.force[:, rod.first_station : rod.first_station + len(rod.stations)]
         weights = 0.5 * np.polynomial.legendre.leggauss(len(rod.stations) // count)[1]
         means.append(np.einsum("tepi,p->tei", part.reshape(len(part), count, -1, 6), weights))
-    mean = np.concatenate(means, axis=1)
+    mean = np.concatenate([result.force[:, :0], *means], axis=1)
     for k, name in enumerate(FORCES):
         yield name, mean[..., k]
     yield "rod", np.repeat(np.arange(len(rods)), elements)[None]
@@ -218,30 +224,37 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         "rod_names": [rod.name for rod in mesh.rods],
         "node_names": {name: int(k) for name, k in mesh.node_names.items()},
         "mesh_notes": mesh.notes,
+        "joint_names": mesh.joints,
         "turning_points": [asdict(point) for point in result.turning_points],
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in (*HISTORIES, "history"):
+    for name in (*HISTORIES, "history", "joints"):
         _put(root, name, getattr(result, name))
-    group = root.create_group("links")
-    for k, (name, values) in enumerate(result.links.items()):
-        _put(group, str(k), values)
-        group[str(k)].attrs["name"] = name
+    for key, named in (
+        ("links", result.links),
+        ("dissipated_by_source", result.energy.by_source),
+        ("work_by_source", result.energy.work_by_source),
+    ):
+        group = root.create_group(key)
+        for k, (name, values) in enumerate(named.items()):
+            _put(group, str(k), values)
+            group[str(k)].attrs["name"] = name
     for name, value in (("energy", result.energy), ("momentum", result.momentum)):
         group = root.create_group(name)
         for key in fields(value):
-            _put(group, key.name, getattr(value, key.name))
+            if not key.name.endswith("by_source"):
+                _put(group, key.name, getattr(value, key.name))
 
     if result.stability is not None:
         _write_stability(root.create_group("stability"), result.stability)
 
     group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
     sizes = [(len(r.nodes), len(r.stations), len(r.outline), r.order, r.first_station) for r in mesh.rods]
-    _put(group, "sizes", np.array(sizes))
+    _put(group, "sizes", np.array(sizes, np.int64).reshape(-1, 5))
     _put(group, "r0", mesh.r0)
     for name in ("nodes", "s", "directors", "stations", "outline"):
-        _put(group, name, np.concatenate([getattr(rod, name) for rod in mesh.rods]))
+        _put(group, name, _one_after_the_other([getattr(rod, name) for rod in mesh.rods]))
 
 
 def _read_result(root: Any) -> Result:
@@ -253,7 +266,7 @@ def _read_result(root: Any) -> Result:
     nodes, stations, outline = np.cumsum(sizes[:-1, :3], axis=0).T
 
     def split(name: str, at: NDArray[np.int64]) -> list[NDArray[Any]]:
-        return [part.copy() for part in np.split(group[name][()], at)]
+        return [part.copy() for part in np.split(group[name][()], at)][: len(sizes)]
 
     rods = zip(
         text("rod_names"), split("nodes", nodes), split("s", nodes), split("directors", nodes),
@@ -261,17 +274,23 @@ def _read_result(root: Any) -> Result:
         strict=True,
     )  # fmt: skip
     names, notes = text("node_names"), tuple(text("mesh_notes"))
+    joints = tuple(text("joint_names")) if "joint_names" in root else ()
     audit = text("audit")
     audit["entries"] = tuple(Entry(**entry) for entry in audit["entries"])
     audit["notes"] = tuple(audit["notes"])
     return Result(
         kind=text("kind"),
         name=text("name"),
-        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes),
+        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints),
         **{name: root[name][()] for name in HISTORIES},
-        links=_read_links(root["links"]) if "links" in root else {},
+        links=_read_named(root, "links"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
-        energy=Energy(**{name: data[()] for name, data in root["energy"].items()}),
+        joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
+        energy=Energy(
+            **{name: data[()] for name, data in root["energy"].items()},
+            by_source=_read_named(root, "dissipated_by_source"),
+            work_by_source=_read_named(root, "work_by_source"),
+        ),
         momentum=Momentum(**{name: data[()] for name, data in root["momentum"].items()}),
         status=Status(**text("status")),
         audit=Audit(**audit),
@@ -297,7 +316,9 @@ def _read_stability(group: Any) -> PathStability:
     return PathStability(group["negative"][()], group["critical"][()], points)
 
 
-def _read_links(group: Any) -> dict[str, Array]:
+def _read_named(root: Any, key: str) -> dict[str, Array]:
+    """Arrays by name, in their order; a file from before there were any has none."""
+    group = root.get(key, {})
     ordered = [group[str(k)] for k in range(len(group))]
     return {str(data.attrs["name"]): data[()] for data in ordered}
 

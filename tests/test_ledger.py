@@ -1,0 +1,71 @@
+"""Who dissipated what: every source is booked by itself, and together they are what the ledger knows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import directrix as dx
+
+STIFF = {"EA": 2500, "GA1": 950, "GA2": 900, "EI1": 10, "EI2": 12, "GJ": 8}
+MASS = {"A_rho": 2.5, "I_rho1": 0.012, "I_rho2": 0.01}
+PLAIN = dx.Section.from_moduli(**STIFF, **MASS)
+DAMPED = dx.Section.from_moduli(**STIFF, **MASS, damping=0.02)
+DT = 0.02
+
+
+def machine() -> dx.Model:
+    """Two damped rods and one that is not, with two dashpots."""
+    model = dx.Model(name="machine")
+    for k, (name, section) in enumerate((("one", DAMPED), ("two", PLAIN), ("three", DAMPED))):
+        ends = (f"{name}.a", f"{name}.b")
+        model = model.rod(dx.line((3 * k, 0, 0), (3 * k + 2, 0, 1)), section, name=name, ends=ends, elements=3)
+    return (
+        model.dashpot("one.b", "two.a", 2.0, name="left")
+        .spring("two.b", "three.a", 30.0, damping=0.5, name="right")
+        .velocity("one.a", (0, 1, 0.5))
+        .velocity("three.b", (0.5, 0, -2), omega=(0, 1, 0))
+    )
+
+
+@pytest.fixture(scope="module")
+def run() -> dx.Result:
+    return dx.simulate(machine(), 2.0, DT, integrator=dx.EnergyDissipating(0.3, 0.1))
+
+
+def test_the_sources_add_up_and_each_has_its_formula(run: dx.Result) -> None:
+    by = run.energy.by_source
+    assert set(by) == {
+        "link 'left'", "link 'right'", "damping of rod 'one'", "damping of rod 'three'", "numerical dissipation",
+    }  # fmt: skip
+    assert all(taken[-1] > 0.0 and np.diff(taken).min() >= 0.0 for taken in by.values())
+    np.testing.assert_allclose(sum(by.values()), run.energy.dissipated, rtol=1e-12)
+    for name, c in (("left", 2.0), ("right", 0.5)):
+        expected = np.cumsum(c * np.diff(run.link(name).length) ** 2 / DT)
+        np.testing.assert_allclose(by[f"link {name!r}"][1:], expected, rtol=1e-9)
+    for name in ("one", "three"):
+        change = np.diff(run.rod(name).strain, axis=0)
+        weight = run.mesh.rod(name).s[-1] / change.shape[1]  # two Gauss points an element, of equal weight
+        taken = weight / DT * np.einsum("tsi,ij,tsj->t", change, DAMPED.damping, change)
+        np.testing.assert_allclose(by[f"damping of rod {name!r}"][1:], np.cumsum(taken), rtol=1e-9)
+    assert run.audit.passed and np.abs(run.energy.residual).max() <= 1e-12 * run.energy.total[0]
+
+
+def test_a_source_is_there_only_where_it_can_take_something() -> None:
+    quiet = dx.simulate(machine(), DT, DT, integrator=dx.EnergyMomentum())
+    assert "numerical dissipation" not in quiet.energy.by_source
+    rod = dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), PLAIN, elements=2)
+    still = dx.simulate(rod, DT, DT)
+    assert still.energy.by_source == {} and "dissipated" not in str(still)
+    pulled = rod.clamp("rod1.start").force("rod1.end", (0, 1, 0))
+    assert dx.solve_static(pulled, steps=1).energy.by_source == {}
+
+
+def test_the_sources_are_printed_saved_and_in_the_summary(run: dx.Result, tmp_path: Path) -> None:
+    again = dx.load(run.save(tmp_path / "run.vtkhdf"))
+    assert list(again.energy.by_source) == list(run.energy.by_source)
+    for name, taken in run.energy.by_source.items():
+        np.testing.assert_array_equal(again.energy.by_source[name], taken)
+        assert f"dissipated by {name}: {taken[-1]:.9g}" in str(again)
