@@ -1,9 +1,10 @@
-"""What a step of a chain costs: one free rod of n two-node elements, energy–momentum, through ``simulate``.
+"""What a step of a chain costs: one free rod of n elements, energy–momentum, through ``simulate``.
 
 Everything a run does is counted: meshing, assembly, solution, update, loads, audit and what is kept. Compiling is not:
-a short run goes first. The yardstick beside it, measured in turns with it, is LAPACK solving one banded system of the
-same size (``scipy.linalg.solve_banded``): what the linear algebra of one iteration alone costs elsewhere. Best of
-several, on one core.
+a short run goes first. It is CPU time, best of several, on one core. Caches and execution units are shared with all
+else the machine does, so the yardstick beside it counts as much as the nanoseconds: LAPACK solving one banded system of
+the same size (``scipy.linalg.solve_banded``), what the linear algebra of one iteration alone costs elsewhere, measured
+in turns with it. The target is for a quiet machine.
 
     make bench        or: python benchmarks/chain.py
 """
@@ -19,12 +20,14 @@ from scipy.linalg import solve_banded
 
 import directrix as dx
 
-ALLOWED = {1000: 600.0, 100: 800.0}  # ns per element and Newton iteration
-DT, ROUNDS = 0.05, 9
-LINE = "{:>8}  {:>10}  {:>14}  {:>7}  {:>13}  {:>13}"
+CASES = {  # (elements, order): target, ns per element and Newton iteration
+    (20, 1): 350.0, (100, 1): 200.0, (1000, 1): 150.0, (10_000, 1): 220.0, (50, 2): 880.0, (500, 2): 660.0,
+}  # fmt: skip
+DT, ROUNDS = 0.05, 7
+LINE = "{:>8}  {:>5}  {:>10}  {:>14}  {:>7}  {:>13}  {:>13}"
 
 
-def rod(n: int) -> dx.Model:
+def rod(n: int, order: int = 1) -> dx.Model:
     """A flying rod that bends, twists and turns."""
     section = dx.Section.from_moduli(
         EA=2500, GA1=961.5, GA2=961.5, EI1=10, EI2=10, GJ=7.7, A_rho=2.5, I_rho1=0.01, I_rho2=0.01
@@ -32,7 +35,7 @@ def rod(n: int) -> dx.Model:
     axis = dx.line((0, 0, 0), (0.2 * n, 0, 0))
     return (
         dx.Model(name=f"{n} elements")
-        .rod(axis, section, name="rod", ends=("A", "B"), elements=n, order=1)
+        .rod(axis, section, name="rod", ends=("A", "B"), elements=n, order=order)
         .velocity("A", (0, 0, -1))
         .velocity("B", (0, 0.5, 1))
         .rigid_velocity((0, 0, 0.1), (0, 0.02, 0), about=(0, 0, 0))
@@ -50,15 +53,15 @@ def banded(n: int) -> Callable[[], object]:
 
 
 def seconds(call: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    start = time.perf_counter()
+    """CPU time of one call: other work on the machine is not counted."""
+    start = time.process_time()
     call()
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
-def measure(n: int, steps: int) -> tuple[float, float, float, dx.Result]:
+def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Result]:
     """Best seconds of a run, best and typical ratio of one iteration to LAPACK's solution, and the result."""
-    model, lapack = rod(n), banded(n)
+    model, lapack = rod(n, order), banded(n * order)
     dx.simulate(model, t_end=2 * DT, dt=DT)
     results: list[dx.Result] = []
 
@@ -72,26 +75,25 @@ def measure(n: int, steps: int) -> tuple[float, float, float, dx.Result]:
 
 
 def main() -> None:
-    """Print the table; exit 1 when a run is slower than allowed or does not conserve."""
+    """Print the table; exit 1 when a run does not conserve."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     heads = (
-        ("elements", "iterations", "ns per element", "allowed", "element-steps", "of LAPACK"),
-        ("", "a step", "and iteration", "", "a second", "best (median)"),
+        ("elements", "order", "iterations", "ns per element", "target", "element-steps", "of LAPACK"),
+        ("", "", "a step", "and iteration", "", "a second", "best (median)"),
     )
     for head in heads:
         print(LINE.format(*head))
     good = True
-    for n, allowed in ALLOWED.items():
-        steps = 40_000 // n
-        best, ratio, typical, result = measure(n, steps)
+    for (n, order), target in CASES.items():
+        steps = max(4, 40_000 // n)
+        best, ratio, typical, result = measure(n, order, steps)
         iterations = int(result.iterations.sum())
-        cost = 1e9 * best / iterations / n
-        good = good and cost <= allowed and result.success and result.audit.passed
-        cells = (n, f"{iterations / steps:.2f}", f"{cost:.0f}", f"{allowed:.0f}", f"{n * steps / best:.3g}")
-        print(LINE.format(*cells, f"{ratio:.2f} ({typical:.2f})"))
+        good = good and result.success and result.audit.passed
+        cells = (n, order, f"{iterations / steps:.2f}", f"{1e9 * best / iterations / n:.0f}", f"{target:.0f}")
+        print(LINE.format(*cells, f"{n * steps / best:.3g}", f"{ratio:.2f} ({typical:.2f})"))
     if not good:
-        raise SystemExit("slower than allowed, or an audit failed")
+        raise SystemExit("a run failed, or its audit")
 
 
 if __name__ == "__main__":

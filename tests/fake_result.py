@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -76,6 +77,14 @@ def fake_result(
         info={"directrix": "0.1.0", "formulation": "Directors()"}
         | ({"integrator": "Midpoint()" if fails else "EnergyMomentum()"} if dynamic else {}),
     )
+
+
+def with_joints(result: Result) -> Result:
+    """The same with node 0 on the ground at (1, −20, 2), and a joint that both ends hold on arms."""
+    nodes = np.array([[-1, 0], [1, result.r.shape[1] - 1]])
+    arms = np.array([[(1.0, -20.0, 2.0), (0.0, 0.5, 0.0)], [(0.3, 0.2, 0.1), (0.0, 0.0, -0.4)]])
+    mesh = replace(result.mesh, joints=("pin", "arms"), joint_nodes=nodes, joint_arms=arms)
+    return replace(result, mesh=mesh)
 
 
 def _mesh(order: int, elements: int, planar: bool, names: tuple[str, str, str]) -> Mesh:

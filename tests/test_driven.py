@@ -219,6 +219,7 @@ def test_a_tendon_bends_and_shortens_as_its_energy_says() -> None:
         strain = result.rod("arm").strain[-1].mean(axis=0)
         expected = np.array([0, 0, -T / 2500, -T * xi / 10, 0, 0])
         gaps.append(float(np.abs(strain - expected).max()))
+        assert result.energy.work_by_source["tendon 'tendon1'"][-1] == pytest.approx(result.energy.stored[-1], rel=0.02)
         free = dx.solve_static(model, control=dx.ArcLength(ds=0.2, load_factors=(1.0,), until=_at_one))
         np.testing.assert_allclose(free.r[-1], result.r[-1], atol=1e-7)
     assert gaps[0] <= 1.05 * (T * xi / 10) * (T * 0.25**2 / 4) / 10 and gaps[0] / gaps[1] > 3.5

@@ -64,6 +64,20 @@ def test_sparse_solver_conforms() -> None:
     assert check_linear(BlockSparse) <= 1e-10
 
 
+def test_sparse_solver_takes_constraints_beside_any_stiffness() -> None:
+    """A stiff node held by six multipliers: K u + Bᵀ λ = 0, B u = g gives u = B⁻¹ g, λ = −B⁻ᵀ K u."""
+    rng = np.random.default_rng(4)
+    root, B, g = rng.normal(size=(6, 6)), rng.normal(size=(6, 6)) + 4.0 * np.eye(6), 1e-6 * rng.normal(size=6)
+    for stiffness in (1.0, 1e6, 1e12):
+        K = stiffness * (root @ root.T + np.eye(6))
+        solver = BlockSparse(np.array([0, 2, 4]), np.array([0, 1, 0, 1]))
+        got = solver.solve(np.array([K, B.T, B, np.zeros((6, 6))]), np.array([np.zeros(6), g]))
+        assert got is not None
+        u = np.linalg.solve(B, g)
+        np.testing.assert_allclose(got[0], u, rtol=1e-9)
+        np.testing.assert_allclose(got[1], -np.linalg.solve(B.T, K @ u), rtol=1e-9)
+
+
 def test_sparse_solver_refuses_a_singular_matrix() -> None:
     solver = BlockSparse(np.array([0, 1]), np.array([0]))
     assert solver.solve(np.zeros((1, 6, 6)), np.ones((1, 6))) is None

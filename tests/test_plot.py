@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-from fake_result import fake_result
+from fake_result import fake_result, with_joints
 from matplotlib.figure import Figure
 
 from directrix import drawing, plot
@@ -65,6 +65,39 @@ def test_shape_draws_every_rod_over_the_undeformed_one() -> None:
             assert any(line.shape == expected.shape and np.allclose(line, expected) for line in drawn)
     assert [text.get_text().strip() for text in ax.texts] == ["A", "O", "B", "C"]
     assert f"{result.t[7]:.4g}" in ax.get_title()
+
+
+def test_joints_are_open_circles_and_arms_thin_lines() -> None:
+    result = one_node_more(with_joints(fake_result()), 1.0)
+    ends = result.joint_ends(7)
+    arms = result.mesh.joint_arms
+    np.testing.assert_allclose(ends[0, 0], [arms[0, 0]] * 2)
+    np.testing.assert_allclose(ends[1, 1, 1], result.r[7, 15] + result.R[7, 15] @ arms[1, 1])
+    for ax, instant in ((Plots(result).shape(7), 7), (Plots(result).motion(1), 0)):
+        lines: Any = ax.lines
+        drawn = [np.column_stack(line.get_data_3d()) for line in lines]
+        ends = result.joint_ends(instant)
+        for points in (ends[0, 1], ends[1, 0], ends[1, 1]):
+            assert any(line.shape == (2, 3) and np.allclose(line, points) for line in drawn)
+        assert not any(line.shape == (2, 3) and np.allclose(line, ends[0, 0]) for line in drawn)  # the ground has none
+        circles = [k for k, line in enumerate(lines) if line.get_markerfacecolor() == "white"]
+        assert len(circles) == 1 and np.allclose(drawn[circles[0]], ends[:, 1, 1])
+        assert any(len(line) == 1 and np.allclose(line, result.r[instant, -1]) for line in drawn)
+
+
+def test_nodes_at_one_place_share_a_label() -> None:
+    result = one_node_more(fake_result(), 1e-15)
+    mesh = replace(result.mesh, node_names={"A": 0, "in": 5, "C": 15, "out": 16})
+    ax: Any = Plots(replace(result, mesh=mesh)).shape()
+    assert [text.get_text().strip() for text in ax.texts] == ["A", "in, out", "C"]
+
+
+def one_node_more(result: Result, beside: float) -> Result:
+    """With a node on no rod, beside node 5."""
+    r, R = (np.append(values, values[:, 5:6], axis=1) for values in (result.r, result.R))
+    r[:, -1] += beside
+    mesh = replace(result.mesh, r0=np.append(result.mesh.r0, result.mesh.r0[5:6] + beside, axis=0))
+    return replace(result, mesh=mesh, r=r, R=R)
 
 
 def test_space_has_one_scale() -> None:

@@ -17,6 +17,7 @@ from fake_result import fake_result
 from hypothesis import given
 from hypothesis import strategies as st
 
+import directrix as dx
 from directrix.errors import InputError
 from directrix.result import Result
 from directrix.storage import load, save, vtkhdf
@@ -408,3 +409,20 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
     link.symlink_to(target)
     assert save(fake_result(instants=2), link) == str(link)
     assert link.is_symlink() and target.is_file() and load(link).name == "three-rod frame"
+
+
+def test_joints_keep_their_places(tmp_path: Path) -> None:
+    """A body on an arm of a rod, and the rod on the ground: where joints are is in the file, and is where they hold."""
+    section = dx.Section.circle(radius=0.01, E=1e7, nu=0.3, rho=1000.0)
+    model = dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), section, ends=("a", "b"), elements=2)
+    model = model.rigid_body("b", 0.1, 1e-4 * np.eye(3), offset=(0, 0.2, 0)).spherical("a", name="ball")
+    result = dx.simulate(model.gravity((0, 0, -9.81)), 0.05, 0.01)
+    again = dx.load(result.save(tmp_path / "run.vtkhdf"))
+    assert again.mesh.joints == ("b.body", "ball")
+    arm, body, pinned = (again.mesh.node(name) for name in ("b", "b.body", "a"))
+    np.testing.assert_array_equal(again.mesh.joint_nodes, [[arm, body], [-1, pinned]])
+    np.testing.assert_array_equal(again.mesh.joint_arms, result.mesh.joint_arms)
+    ends = again.joint_ends(-1)
+    np.testing.assert_allclose(ends[:, 0, 1], ends[:, 1, 1], rtol=0, atol=1e-12)  # base and what moves are together
+    np.testing.assert_array_equal(ends[0, :, 0], again.r[-1, [arm, body]])
+    assert again.mesh.loose.tolist() == [body] and abs(ends[0, 1, 1, 2]) > 1e-3

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_result import fake_result
+from fake_result import fake_result, with_joints
 
 from directrix import drawing, viewer
 from directrix.errors import ModelError
@@ -72,6 +72,7 @@ def test_the_page_holds_the_run(kind: Any, tmp_path: Path) -> None:
     result = fake_result(kind, order=2, elements=3)
     data = data_of(page_of(result, tmp_path))
     expected = {
+        "arms": result.mesh.joint_arms,
         "r0": result.mesh.r0, "t": result.t, "r": result.r, "strain": result.strain, "force": result.force,
         "turn": np.stack([result.R[..., 0], result.R[..., 1]], axis=-2), "kinetic": result.energy.kinetic,
         "stored": result.energy.stored, "work": result.energy.work,
@@ -166,8 +167,8 @@ def test_numbers_that_are_not_finite_are_refused(bad: float, tmp_path: Path) -> 
 @pytest.mark.skipif(not NODE, reason="needs node")
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_the_page_interpolates_as_the_elements_do(order: int, tmp_path: Path) -> None:
-    """The script's own kinematics, run by node: axis and directors at a saved instant."""
-    result = fake_result(order=order, elements=3)
+    """The script's own kinematics, run by node: axis, directors and joints at a saved instant."""
+    result = with_joints(fake_result(order=order, elements=3))
     page = Page(page_of(result, tmp_path))
     (tmp_path / "data.json").write_text(page.texts["script"][0], encoding="utf-8")
     code = (
@@ -178,7 +179,8 @@ const at = (array, width) => atFrame(array, width, 9, new Float32Array(width));
 place(skeleton, at(run.r, 3 * run.nodes), at(run.turn, 6 * run.nodes));
 const part = (rod) => skeleton.poses.subarray(9 * rod.firstSample, 9 * (rod.firstSample + rod.samples));
 const rods = skeleton.rods.map((rod) => [...part(rod)]);
-console.log(JSON.stringify({ rods, knots: [...skeleton.knots] }));
+const joints = jointEnds(run, at(run.r, 3 * run.nodes), at(run.turn, 6 * run.nodes));
+console.log(JSON.stringify({ rods, knots: [...skeleton.knots], joints, room: extent(run) }));
 """
     )
     (tmp_path / "check.js").write_text(code, encoding="utf-8")
@@ -199,6 +201,12 @@ console.log(JSON.stringify({ rods, knots: [...skeleton.knots] }));
         axis = np.concatenate([(drawing.lagrange(order, xi)[0] @ nodal[local]).reshape(-1, 3), nodal[-1:]])
         assert np.allclose(poses[:, 0], axis, atol=1e-5)
         assert np.allclose(np.linalg.norm(poses[:, 1:], axis=-1), 1.0, atol=1e-6)
+    for ends, drawn in zip(result.joint_ends(9), said["joints"], strict=True):
+        for (foot, tip), end in zip(ends, drawn, strict=True):
+            assert np.allclose(tip, end["tip"], atol=1e-5)
+            assert end["foot"] is None or np.allclose(foot, end["foot"], atol=1e-5)
+    assert [end["foot"] is None for ends in said["joints"] for end in ends] == [True, False, False, False]
+    assert said["room"]["low"][1] == -20.0  # the pin on the ground is in sight
 
 
 @pytest.mark.skipif(not CHROMIUM, reason="needs a chromium")

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from directrix import laws
     from directrix.branching import branches
+    from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
+    from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
@@ -37,11 +39,13 @@ __all__ = [
     "BucklingLoads",
     "ConvergenceError",
     "CrisfieldJelenic",
+    "Cylinder",
     "Directors",
     "DirectrixError",
     "DisplacementControl",
     "EnergyDissipating",
     "EnergyMomentum",
+    "Ensemble",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "InputError",
@@ -50,17 +54,20 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Plane",
     "Result",
     "Section",
     "SimoTarnowDoblare",
     "SimoVuQuoc",
     "Snapshot",
+    "Sphere",
     "Status",
     "TurningPoint",
     "arc",
     "branches",
     "buckling",
     "continuation",
+    "ensemble",
     "form_find",
     "harmonic",
     "helix",
@@ -80,9 +87,11 @@ __all__ = [
 _HOME = {
     "branching": ("branches",),
     "continuation": ("continuation",),
+    "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
+    "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),

@@ -119,6 +119,8 @@ class DynamicBooks:
         self.taken, self.done = np.zeros(len(disc.sources.names)), np.zeros(len(disc.sources.names))
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
+        self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
+        self.waiting: list[tuple[Array, Array, Array]] = []
         self.off = np.zeros(3)
         self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
         self.turn = _Turn(disc)
@@ -126,29 +128,53 @@ class DynamicBooks:
 
     def add(self, books: Books) -> None:
         """Book one step."""
-        totals, flow = books.totals, books.flow
-        self.work += flow[0] + flow[1] + flow[9]
-        self.prescribed += flow[1]
-        self.dissipated += flow[8]
-        self.taken += books.taken
-        self.done += books.done
-        self.given = max(self.given, -float(min(books.taken, default=0.0)))
-        self.impulse += self.dt * flow[2:8]
-        self.turnover += (
-            abs(flow[0]) + abs(flow[1]) + np.abs(books.done).sum(),
-            self.dt * np.linalg.norm(flow[2:5]),
-            self.dt * np.linalg.norm(flow[5:8]),
+        # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
+        force = max(np.linalg.norm(part) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
+        moment = max(np.linalg.norm(part) for part in (books.flow[5:8], books.ground[3:]))
+        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]))
+        if self.taken.size:
+            self.taken += books.taken
+            self.done += books.done
+            self.given = max(self.given, -float(books.taken.min()))
+            self.turnover[0] += np.abs(books.done).sum()
+        self.turn.add(books.totals)
+
+    def add_steps(self, totals: Array, flow: Array, acting: Array) -> None:
+        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in :class:`Books`,
+        ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
+
+        The arrays are kept: what only the verdict needs is worked out for many steps at once.
+        """
+        for row in flow[:, (0, 1, 8, 9)].tolist():
+            self.work += row[0] + row[1] + row[3]
+            self.prescribed += row[1]
+            self.dissipated += row[2]
+        self.waiting.append((totals, flow, acting))
+        if len(self.waiting) >= 512:
+            self._settle()
+
+    def _settle(self) -> None:
+        if not self.waiting:
+            return
+        totals, flow, acting = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        self.waiting = []
+        work = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1] + flow[:, 9])
+        dissipated = self.settled[1] + np.cumsum(flow[:, 8])
+        impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
+        self.turnover += (np.abs(flow[:, :2]).sum(), *(self.dt * acting.sum(axis=0)))
+        energy = totals[:, 0] + totals[:, 1]
+        self.energy = max(self.energy, float(energy.max()))
+        self.kinetic = max(self.kinetic, float(totals[:, 1].max()))
+        change = totals[:, 2:8] - self.start[2:8] - impulse
+        off = np.stack(
+            [
+                np.abs(energy - self.start[0] - self.start[1] - work + dissipated),
+                np.linalg.norm(change[:, :3], axis=1),
+                np.linalg.norm(change[:, 3:], axis=1),
+            ]
         )
-        energy = float(totals[0] + totals[1])
-        self.energy, self.kinetic = max(self.energy, energy), max(self.kinetic, float(totals[1]))
-        change = totals[2:8] - self.start[2:8] - self.impulse
-        off = (
-            abs(energy - self.start[0] - self.start[1] - self.work + self.dissipated),
-            np.linalg.norm(change[:3]),
-            np.linalg.norm(change[3:]),
-        )
-        self.off = np.fmax(self.off, off)
-        self.turn.add(totals)
+        self.off = np.fmax(self.off, np.fmax.reduce(off, axis=1))
+        self.settled, self.impulse = (float(work[-1]), float(dissipated[-1])), impulse[-1]
 
     @property
     def flows(self) -> tuple[float, ...]:
@@ -157,6 +183,7 @@ class DynamicBooks:
 
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
+        self._settle()
         momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
         scale = (
             max(self.energy, self.turnover[0], self.least),

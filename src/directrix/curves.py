@@ -15,7 +15,6 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from directrix.checks import Vec, choice, number, vector
 from directrix.errors import ModelError
@@ -253,6 +252,8 @@ class Spline:
         """The spline by its own parameter, a fine grid of that, arclength and frame there."""
         p = np.asarray(self.points)
         knots: Array = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1)))
+        from scipy.interpolate import CubicSpline  # takes as long to load as all the rest
+
         spline = CubicSpline(knots, p)
         fine = max(64, 2048 // (len(p) - 1))
         spans = [np.linspace(a, b, fine, endpoint=False) for a, b in pairwise(knots.tolist())]

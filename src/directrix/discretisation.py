@@ -8,7 +8,7 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from directrix.actuators import value_at
 from directrix.basis import gauss, lagrange
 from directrix.checks import number, shown, vector
+from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
 from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
+from directrix.formulations.contact import PairElement
 from directrix.formulations.layout import Layout
 from directrix.free_nodes import idle_rotations, refuse_loose
 from directrix.groups import (
@@ -30,13 +32,12 @@ from directrix.groups import (
     lumped_at_nodes,
     mesh_rod,
     parameters_of,
-    refuse_driven,
-    routes_of,
 )
-from directrix.joint_groups import joint_groups, unused
+from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
+from directrix.routes import refuse_driven, routes_of
 from directrix.scheme import Scheme
 from directrix.section import Section
 from directrix.sources import Sources, sources_of
@@ -95,8 +96,23 @@ class Discretisation:
     sections: tuple[Section, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
+    spread: Mapping[str, tuple[Ints, Array]]
+    """Nodes of every rod, element by element, and the lengths that they stand for."""
+    near: Near | None
+    """Finds what rods may touch; the elements for it come and go."""
     sources: Sources
     drives: tuple[Drive, ...]
+
+    def touching(self, pairs: Pairs, scheme: Scheme) -> Discretisation:
+        """The same with these pairs of rods in contact; then all nodes are unknowns of the system, to be coupled."""
+        assert self.near is not None
+        pushing = self.near.groups(pairs)
+        others = (g for g in self.groups if not isinstance(g.element, PairElement))
+        # whether interior nodes are condensed is a matter of rods, and of what sits on their interior nodes
+        kept = (replace(g, condensed=not pushing) if g.inside or not g.names else g for g in others)
+        groups = (*kept, *pushing)
+        sources = sources_of(self.model, groups, scheme)
+        return replace(self, groups=groups, pattern=_pattern(self.rows, groups), sources=sources)
 
     @property
     def nodes(self) -> int:
@@ -192,6 +208,10 @@ class Discretisation:
             out[link.name] = np.stack([length, link.tension(length, *link.measures(places))], -1)
         return out
 
+    def contact_states(self, r: Array) -> dict[str, Array]:
+        """Smallest gap and sum of normal forces (nt, 2) of every contact, from positions (nt, n, 3)."""
+        return contact_states(self.model.contacts, self.model, self.spread, self.near, r)
+
     def initial_rates(self) -> tuple[Array, Array]:
         """Nodal velocities (n, 3) and angular velocities (n, 3) that the model asks for."""
         v, omega = np.zeros((self.nodes, 3)), np.zeros((self.nodes, 3))
@@ -238,6 +258,10 @@ def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> 
 def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
     """Numbering and blocks for the elements of ``groups``."""
     conn = [group.in_pattern for group in groups]
+    joined = conn[0]
+    in_line = len(conn) == 1 and joined.shape[1] == 2 and np.array_equal(joined[1:, 0], joined[:-1, 1])
+    if in_line and len(np.unique(joined)) == len(joined) + 1:
+        return _in_line(n, np.append(joined[:, 0], joined[-1, 1]))
     ends = np.unique(np.concatenate([c.ravel() for c in conn]))
     near: dict[int, list[int]] = {int(k): [] for k in ends}
     for elements in conn:
@@ -278,6 +302,18 @@ def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
         np.concatenate([np.array(d, np.int64) for d in dest]),
         tuple(itertools.accumulate((len(d) for d in dest[:-1]), initial=0)),
     )
+
+
+def _in_line(n: int, order: Ints) -> Pattern:
+    """The pattern of elements that follow one another along the nodes ``order``."""
+    rows = np.arange(len(order))
+    row = np.full(n, -1, np.int64)
+    row[order] = rows
+    own = 3 * rows + 1
+    return Pattern(
+        True, row, order, np.append(3 * rows, 3 * len(rows)), (rows[:, None] + np.arange(-1, 2)).ravel(), own,
+        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1).ravel(), (0,),
+    )  # fmt: skip
 
 
 def discretise(model: Model, scheme: Scheme) -> Discretisation:
@@ -348,7 +384,11 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
     groups += joint_groups(model.joints, scheme, names, r0, carried)
-    mesh = Mesh(tuple(rods), names, r0, tuple(notes), tuple(joint.name for joint in model.joints))
+    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+    lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
+    groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
+    joints = tuple(joint.name for joint in model.joints)
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
     n = len(positions)
     fixed, prescribed = _supports(model, names, n, dynamic)
     idle = [names[name] for name in idle_rotations(model, scheme.static)]
@@ -365,6 +405,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         (*_loads(model, names, spread), *_drives(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
+        lengths,
+        near_of(model, mesh, scheme),
         sources_of(model, groups, scheme),
         drives_of(model, groups, rods),
     )

@@ -112,10 +112,36 @@ def names(stage: Stage, result: Result, at: int) -> None:
     """Mark the named nodes and write their names beside them."""
     if len(result.mesh.node_names) > NAMES_AT_MOST:
         return
+    near = 1e-6 * float(np.ptp(result.r[at], axis=0).max())
+    labels: list[tuple[Array, list[str]]] = []  # nodes at one place, as those of a hinge, share a label
     for name, k in result.mesh.node_names.items():
-        stage.line(result.r[at, k : k + 1], ls="", marker="o", ms=5, color=INK)
-        place = [float(result.r[at, k, i]) for i in stage.shown]
-        stage.ax.text(*place, f"  {plain(name)}", color=INK, fontsize=10, fontweight="bold", va="bottom")
+        place = result.r[at, k]
+        stage.line(place[None], ls="", marker="o", ms=5, color=INK)
+        shared = next((label for other, label in labels if np.abs(other - place).max() <= near), None)
+        if shared is None:
+            labels.append((place, [name]))
+        else:
+            shared.append(name)
+    for place, label in labels:
+        spot, text = [float(place[i]) for i in stage.shown], plain(", ".join(label))
+        stage.ax.text(*spot, f"  {text}", color=INK, fontsize=10, fontweight="bold", va="bottom")
+
+
+def arms(stage: Stage, result: Result, at: int, **style: Any) -> None:
+    """Thin lines from nodes to the joints they hold away from themselves: rigid arms of bodies."""
+    for points in result.joint_ends(at).reshape(-1, 2, 3):
+        if np.any(points[0] != points[1]):
+            stage.line(points, lw=1.0, **style)
+
+
+def joints(stage: Stage, result: Result, at: int) -> None:
+    """Small open circles where joints are, on what they move, and dots for nodes on no rod."""
+    loose = result.r[at, result.mesh.loose]
+    if len(loose):
+        stage.line(loose, ls="", marker="o", ms=5, color=INK)
+    places = result.joint_ends(at)[:, 1, 1]
+    if len(places):
+        stage.line(places, ls="", marker="o", ms=5.5, mfc="white", mec=INK, mew=1.2, zorder=5)
 
 
 def energies(pen: Any, result: Result, total: str = "total") -> None:

@@ -98,6 +98,12 @@ class Driver:
             start, end = (element[:, None] + first * LANES + columns for first in (drive.start, drive.end))
             self.places.append((start, end))
 
+    def follow(self, other: Driver) -> None:
+        """Take over what ``other`` wrote, for the same drives in other tables."""
+        for here, there in zip(self.places, other.places, strict=True):
+            for to, of in zip(here, there, strict=True):
+                self.par[to] = other.par[of]
+
     def place(self, t: float, factor: float) -> None:
         """What is at the end of a step."""
         for drive, (_, end) in zip(self.drives, self.places, strict=True):

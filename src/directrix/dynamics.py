@@ -10,6 +10,7 @@ from directrix.diagnosis import refuse, without_inertia
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.failures import explained
+from directrix.fast import fast_for
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
@@ -98,10 +99,12 @@ def simulate(
     steady = not any(load.varies for load in disc.loads)
     before, report = t0, reporting(progress)
     unsaved = None
+    fast = fast_for(newton)
+    k = saved = 0
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
-        for k in range(1, steps + 1):
-            before, t = t0 + (k - 1) * dt, t0 + k * dt
+        while k < steps:
+            before, t = t0 + k * dt, t0 + (k + 1) * dt
             if not steady:
                 if ends:
                     external = disc.external(t)
@@ -109,6 +112,22 @@ def simulate(
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
+            if fast is not None:
+                alone = progress is not None or not steady
+                taken = fast.take(x, external, 1 if alone else min(steps - k, save_every - k % save_every), ledger)
+                if taken:
+                    k += len(taken)
+                    recorder.iterations += taken
+                    before = t0 + k * dt
+                    if k % save_every == 0 or k == steps:
+                        books = fast.books(x)
+                        recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
+                        saved = k
+                    report(k / steps, _line(before, fast.energy, taken[-1]))
+                    continue
+                books = fast.books(x)
+                fast.give(x)
+                unsaved = (newton.positions(x), x.copy()) if saved < k else None
             if newton.driver.varies and ends:
                 newton.driver.place(t, 1.0)
             elif newton.driver.varies:
@@ -121,7 +140,7 @@ def simulate(
                 failed = explained(newton, newton.start, outcome.status, static=False)
                 status = Status(
                     failed.code,
-                    f"stopped at t = {before:g}, in step {k} to t = {t:g}: {failed.sentence}",
+                    f"stopped at t = {before:g}, in step {k + 1} to t = {t:g}: {failed.sentence}",
                     failed.advice,
                 )
                 break
@@ -129,17 +148,28 @@ def simulate(
             if ends:
                 acting = books.applied.copy()
             ledger.add(books)
+            k += 1
             if k % save_every == 0 or k == steps:
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
-                unsaved = None
+                unsaved, saved = None, k
             else:  # for a run that ends on the way: a step that fails leaves x somewhere
                 unsaved = newton.positions(x), x.copy()
-            before, energy = t, books.totals[0] + books.totals[1]
-            report(k / steps, f"t = {t:.6g}  H = {energy:.9g}  {outcome.iterations} iterations")
+            before = t
+            report(k / steps, _line(t, float(books.totals[0] + books.totals[1]), outcome.iterations))
     except KeyboardInterrupt:
+        if fast is not None:  # it may have come while steps were taken
+            taken = fast.settle(ledger)
+            k += len(taken)
+            recorder.iterations += taken
+            before = t0 + k * dt
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
+    if fast is not None:
+        fast.close(ledger)
+        if fast.inside and saved < k:
+            books = fast.books(x)
+            unsaved = newton.positions(x), x
     if unsaved is not None:
         recorder.keep(before, 1.0, *unsaved, books, ledger.flows)
     info = {
@@ -151,6 +181,10 @@ def simulate(
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
+
+
+def _line(t: float, energy: float, iterations: int) -> str:
+    return f"t = {t:.6g}  H = {energy:.9g}  {iterations} iterations"
 
 
 def _refuse(formulation: object, integrator: object, load_rule: str) -> None:

@@ -12,8 +12,10 @@ from scipy.linalg import null_space
 from scipy.sparse import csc_matrix
 
 from directrix.checks import whole
+from directrix.contact_groups import refuse_rod_contacts
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
+from directrix.formulations.attached import LinkElement
 from directrix.formulations.director_acceleration import DirectorAcceleration
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.hessian import Hessian, largest_entry, not_conservative
@@ -43,6 +45,8 @@ class Linearised:
             raise ModelError("about= is not an equilibrium", "give what solve_static returned", "about=")
         if about is not None and not about.success:
             raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
+        if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+            refuse_rod_contacts(model, "small motions are about one system")
         self.model, self.scheme = model, AT_REST
         if not dynamic and (model.actuations or model.tendons):
             raise ModelError(
@@ -83,7 +87,7 @@ class Linearised:
                 first, each = sum(group.layout.sizes[:3]), group.layout.points
                 at = group.station[:, None] + np.arange(each)
                 parameters[:, first : first + 6 * each] -= strain[at].reshape(len(parameters), -1)
-            elif lengths:
+            elif lengths and isinstance(group.element, LinkElement):
                 parameters[:, 7] -= [lengths.get(name, 0.0) for name in group.names]  # what a link is without tension
             blocks.append(in_lanes(parameters))
         return self.hessian.matrix(self.x, self.newton.tables._replace(par=np.concatenate(blocks)))

@@ -14,21 +14,17 @@ from directrix.actuators import Drag
 from directrix.basis import gauss, lagrange
 from directrix.errors import ModelError
 from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement, TendonElement
-from directrix.formulations.director_acceleration import DirectorAcceleration
-from directrix.formulations.directors import DirectorStep
 from directrix.formulations.element import Committed, Element
 from directrix.formulations.layout import Layout
 from directrix.model import Model, Rod
-from directrix.result import RodMesh
 from directrix.rotations import smallest_rotation
+from directrix.routes import Route
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = [
-    "Group", "Route", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rod", "parameters_of", "routes_of",
-]  # fmt: skip
+__all__ = ["Group", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rod", "parameters_of"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,8 @@ class Group:
 
     What is attached to rods has ``names``, elements of rods have the names of their rods in ``owners``. A group is
     ``lossy`` when it dissipates by itself, ``works`` when it brings in work, ``grounded`` when the ground holds its
-    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others. The last nodes of a
+    other end. Interior nodes are ``condensed``, or are unknowns of the system like all others; elements of one node
+    are ``inside`` when theirs is an interior one, and come before the rods then. The last nodes of a
     ``jointed`` one are rows of multipliers.
     """
 
@@ -54,11 +51,14 @@ class Group:
     works: bool = False
     owners: tuple[str, ...] = ()
     condensed: bool = True
+    inside: bool = False
     jointed: bool = False
 
     @property
     def in_pattern(self) -> Ints:
-        """(ne, 1 … nn) nodes that are unknowns of the system."""
+        """(ne, 0 … nn) nodes that are unknowns of the system."""
+        if self.condensed and self.inside:
+            return self.conn[:, :0]
         return self.conn[:, [0, -1]] if self.condensed and self.layout.nn > 2 else self.conn
 
 
@@ -174,27 +174,6 @@ def layout_of(rod: Rod, nn: int, element: Element, model: Model) -> Layout:
     )  # fmt: skip
 
 
-class Route(NamedTuple):
-    """A tendon on the mesh: nodes (k,), and from each to its point in the reference (k, 3)."""
-
-    nodes: Ints
-    offsets: Array
-
-
-def routes_of(model: Model, names: dict[str, int], rods: Sequence[RodMesh]) -> dict[str, Route]:
-    """Where the tendons of a model go."""
-    out: dict[str, Route] = {}
-    for tendon in model.tendons:
-        if not isinstance(tendon.along, str):
-            out[tendon.name] = Route(np.array([names[n] for n in tendon.along]), np.array(tendon.offset))
-            continue
-        (rod,) = (r for r in rods if r.name == tendon.along)
-        ends = slice(None, None, rod.order)
-        across = np.array([tendon.across(float(s / rod.s[-1])) for s in rod.s[ends]])
-        out[tendon.name] = Route(rod.nodes[ends], np.einsum("kij,kj->ki", rod.directors[ends, :, :2], across))
-    return out
-
-
 def lumped_at_nodes(n: int, groups: Sequence[Group], model: Model, names: dict[str, int]) -> Array:
     """See :class:`Discretisation`; the mass of the groups must be lumped."""
     out, dyadic = np.zeros((n, 13)), np.zeros((n, 3, 3))
@@ -270,23 +249,6 @@ def attached_groups(
         labels = tuple(f"the body on node {body.node!r}" for body in model.bodies)
         groups.append(_attached(BodyElement(scheme.rates), ends, np.array(rows), labels))
     return tuple(groups)
-
-
-def refuse_driven(model: Model, scheme: Scheme) -> None:
-    """Raise ModelError for actuation, drag and tendons that the scheme has no form for."""
-    interpolated = isinstance(scheme.element, (DirectorStep, DirectorAcceleration))
-    why = "which carries rotations of its own at the stress points" if not interpolated else ""
-    for what, wanted in (
-        *((f"actuation of rod {a.rod!r}", interpolated) for a in model.actuations),
-        *((f"drag on rod {d.rod!r}", interpolated and scheme.rates is not Rates.ALPHA) for d in model.drags),
-        *((f"tendon {t.name!r}", interpolated) for t in model.tendons),
-    ):
-        if not wanted:
-            reason = why or "which balances at the end of a step and has no exact form for it"
-            raise ModelError(
-                f"the {what} has no form in this scheme, {reason}",
-                "use interpolated directors, in motion with a step of the midpoint family, e.g. dx.EnergyMomentum()",
-            )
 
 
 def _attached(

@@ -175,6 +175,8 @@ def not_conservative(newton: Newton) -> str:
     disc = newton.disc
     if disc.model.joints:
         return f"joint {disc.model.joints[0].name!r} holds by forces that are unknowns, for which there is no form yet"
+    if disc.model.rod_contacts:
+        return "rods may touch one another, and the system of equations changes with that"
     for load in disc.loads:
         if load.first >= 6:
             return f"{load.label} turns with its node"

@@ -17,7 +17,7 @@ from directrix.scheme import Rates, Scheme
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["joint_groups", "redundant", "unused"]
+__all__ = ["joint_ends", "joint_groups", "redundant", "unused"]
 
 
 def joint_groups(
@@ -60,6 +60,20 @@ def joint_groups(
             )
         )  # fmt: skip
     return tuple(groups)
+
+
+def joint_ends(joints: Sequence[Joint], names: dict[str, int], r0: Array) -> tuple[Ints, Array]:
+    """Nodes (joints, 2) of base and of what moves, −1 for the ground; arms (joints, 2, 3) from there to the joint, of
+    the ground its place."""
+    nodes: Ints = np.full((len(joints), 2), -1)
+    arms = np.zeros((len(joints), 2, 3))
+    for j, joint in enumerate(joints):
+        own = [names[node] for node in joint.nodes]
+        at = np.array(joint.at, float) if joint.at is not None else r0[own[-1]]
+        nodes[j, 2 - len(own) :] = own
+        arms[j] = at
+        arms[j, 2 - len(own) :] -= r0[own]
+    return nodes, arms
 
 
 def unused(joints: Sequence[Joint]) -> NDArray[np.bool_]:

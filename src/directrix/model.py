@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self, cast
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
+from directrix.contacts import Contact, Obstacle, RodContact, named_rods
 from directrix.curves import Curve
 from directrix.errors import ModelError
 from directrix.findings import Finding, remarks
@@ -170,6 +171,8 @@ class Model:
     actuations: tuple[Actuation, ...] = ()
     drags: tuple[Drag, ...] = ()
     tendons: tuple[Tendon, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    rod_contacts: tuple[RodContact, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
 
@@ -426,6 +429,56 @@ class Model:
             raise ModelError(f"node {node!r} has two bodies", "give one, their sum if that is meant")
         return replace(self, bodies=(*self.bodies, body))
 
+    def contact(
+        self, obstacle: Obstacle, *, stiffness: float, rods: str | Sequence[str] | None = None, friction: float = 0.0,
+        slip_speed: float | None = None, radius: float | None = None, width: float | None = None,
+        name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """Hold rods (all unless named) off a ``dx.Plane``, ``dx.Sphere`` or ``dx.Cylinder``; see :class:`Contact`.
+
+        ``stiffness`` is a force per penetration and per length of rod. Friction is that of dynamics.
+        """
+        made = Contact(
+            self._contact_name(name), stiffness, named_rods(rods, "rods"), friction, slip_speed, radius, width, obstacle
+        )
+        return replace(self, contacts=(*self.contacts, made))
+
+    def self_contact(
+        self, *, stiffness: float, rods: str | Sequence[str] | None = None, friction: float = 0.0,
+        slip_speed: float | None = None, radius: float | None = None, width: float | None = None, points: int = 2,
+        name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """Hold rods (all unless named) off one another and off themselves; see :class:`RodContact`.
+
+        Parts nearer than half a turn of the tightest bend, π times the radius along the axis, do not touch.
+        """
+        made = RodContact(
+            self._contact_name(name), stiffness, named_rods(rods, "rods"), friction, slip_speed, radius, width, None,
+            points,
+        )  # fmt: skip
+        return replace(self, rod_contacts=(*self.rod_contacts, made))
+
+    def contact_between(
+        self, rods: str | Sequence[str], others: str | Sequence[str], *, stiffness: float, friction: float = 0.0,
+        slip_speed: float | None = None, radius: float | None = None, width: float | None = None, points: int = 2,
+        name: str | None = None,
+    ) -> Self:  # fmt: skip
+        """Hold ``rods`` off ``others``; see :class:`RodContact`."""
+        first, second = named_rods(rods, "rods"), named_rods(others, "others")
+        if first is None or second is None:
+            raise ModelError("contact_between needs two sides", "name them, or use self_contact for all rods")
+        made = RodContact(
+            self._contact_name(name), stiffness, first, friction, slip_speed, radius, width, second, points
+        )
+        return replace(self, rod_contacts=(*self.rod_contacts, made))
+
+    def _contact_name(self, name: str | None) -> str:
+        taken = [c.name for c in (*self.contacts, *self.rod_contacts)]
+        name = f"contact{len(taken) + 1}" if name is None else name
+        if name in taken:
+            raise ModelError(f"there are two contacts called {name!r}", "give each contact a name of its own")
+        return name
+
     def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
         """Join two nodes (or a node and the ground) rigidly, as they are in the reference, near or far.
 
@@ -641,10 +694,21 @@ class Model:
         rods += [a.rod for a in self.actuations] + [d.rod for d in self.drags]
         for name in (*rods, *(t.along for t in self.tendons if isinstance(t.along, str))):
             self._rod(name)
+        self._touching()
         if any(isinstance(load, Gravity) for load in self.loads) and not (
             self.bodies or any(r.section.A_rho for r in self.rods)
         ):
             raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
+
+    def _touching(self) -> None:
+        """Rods of the contacts are there, and have a radius and a width."""
+        for touch in (*self.contacts, *self.rod_contacts):
+            names = touch.rods or tuple(rod.name for rod in self.rods)
+            for name in (*names, *((touch.others or ()) if isinstance(touch, RodContact) else ())):
+                radius = touch.radius_of(name, self._rod(name).section)
+                touch.width_of(radius)
+                if isinstance(touch, RodContact) and radius == 0.0:
+                    raise ModelError(f"{touch.where}: rod {name!r} has no radius, nothing can touch it", "give radius=")
 
     def _values(self) -> None:
         """Functions of time are tried once, so that a wrong one is found before anything runs."""

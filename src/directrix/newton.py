@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.checks import number
+from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
 from directrix.drives import Driver
 from directrix.errors import ModelError
+from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
-from directrix.linear.sparse import BlockSparse
+from directrix.linear.condensed import Condensed
 from directrix.result import Status
 from directrix.scheme import Scheme
 from directrix.state import place_all, place_supports
@@ -82,16 +83,15 @@ class Newton:
     """
 
     def __init__(self, disc: Discretisation, scheme: Scheme, settings: Settings) -> None:
-        self.disc, self.scheme, self.settings = disc, scheme, settings
-        self.tables, self.work = tables_for(disc, scheme), work_for(disc, scheme)
-        self.globals = self.work.common
-        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
+        self.scheme, self.settings = scheme, settings
+        self.pairs: Pairs | None = None
+        self._use(disc)
         # the compiled loops read 0/1
         self.mask = disc.held.astype(np.uint8)
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"), 1.0,
+                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf,
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
@@ -114,19 +114,76 @@ class Newton:
             return place_supports(self.disc, x, factor)
         return place_all(self.family.at(factor), x, factor)
 
-    @cached_property
-    def sparse(self) -> BlockSparse:
+    def _use(self, disc: Discretisation) -> None:
+        """Tables and workspace for ``disc``."""
+        self.disc = disc
+        self.tables, self.work = tables_for(disc, self.scheme), work_for(disc, self.scheme)
+        self.globals = self.work.common
+        self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
+        self._sparse: Condensed | None = None
+        self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
+
+    @property
+    def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
-        return BlockSparse(self.disc.pattern.rowptr, self.disc.pattern.column)
+        if self._sparse is None:
+            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+        return self._sparse
+
+    def _look_around(self, x: Array) -> None:
+        """Take in what rods are about to touch at the state ``x``."""
+        near, r = self.disc.near, x[: self.disc.nodes, :3]
+        if near is not None and (self.pairs is None or near.outside(self.pairs, r, touching=False)):
+            self._bring(near.around(r))
+
+    def _bring(self, pairs: Pairs) -> None:
+        before, driver = self.work, self.driver
+        self.pairs = pairs
+        self._use(self.disc.touching(pairs, self.scheme))
+        self.work.reaction[:], self.work.joints[:] = before.reaction, before.joints
+        self.driver.follow(driver)
 
     def solve(self, x: Array, external: Array, moved: bool = False) -> Outcome:
         """Move x1 until it balances ``external`` (n, 12), see :meth:`Discretisation.external`.
 
         ``moved`` says that supports were displaced since the last step: the positions are then solved for
-        first, at the rotations as they are.
+        first, at the rotations as they are. A step at whose end rods touch that were not looked at is taken again
+        with them.
         """
+        near = self.disc.near
+        if near is None or self.pairs is None:
+            return self._balance(x, external, moved)
+        start, iterations = x.copy(), 0
+        while True:
+            outcome = self._balance(x, external, moved)
+            iterations += outcome.iterations
+            if outcome.status is not None:
+                return Outcome(iterations, outcome.status)
+            r = x[: self.disc.nodes, :3]
+            if not near.outside(self.pairs, r, touching=True):
+                at = near.crossed(r - x[: self.disc.nodes, 12:15], r)
+                return Outcome(iterations, None if at < 0 else self._crossed(at))
+            self._bring(union(self.pairs, near.around(r)))
+            x[:] = start
+
+    def _crossed(self, node: int) -> Status:
+        return Status(
+            "not_converged",
+            f"rods passed through one another in one step, at {self.disc.mesh.label(node)}.",
+            "Take smaller steps: none should move a rod by its radius. Or raise the stiffness of the contact.",
+        )
+
+    def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
         self.start = start = x.copy()
         outcome = self._iterate(self.tables, x, external, moved)
+        if self.rough and outcome.status is not None:
+            x[:] = start
+            again = self._by_softer_friction(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
+        if self.disc.near is not None and outcome.status is not None:
+            x[:] = start
+            again = self._by_small_moves(x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
         # iteration may solve for, do not always have the freedom to close joints
         jointed = bool(self.disc.model.joints)
@@ -143,6 +200,36 @@ class Newton:
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
             x[:] = start
             outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
+        return outcome
+
+    def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that jump to and fro between sticking and sliding: the slip speed comes down bit by bit."""
+        total, soft, ratio, good = 0, 1e3, 10.0, x.copy()
+        reached = np.inf
+        while True:
+            self.globals[SOFTENING] = soft
+            outcome = self._iterate(self.tables, x, external, moved and np.isinf(reached))
+            total += outcome.iterations
+            if outcome.status is None and soft == 0.0:
+                break
+            if outcome.status is None:
+                reached, good = soft, x.copy()
+            elif np.isinf(reached) or ratio < 1.2:
+                break
+            else:
+                ratio **= 0.5
+                x[:] = good
+            soft = reached / ratio if reached > 0.1 else 0.0
+        self.globals[SOFTENING] = 0.0
+        return Outcome(total, outcome.status)
+
+    def _by_small_moves(self, x: Array, external: Array, moved: bool) -> Outcome:
+        """Iterations that throw rods far beyond where they touch: none may move them by more than part of a radius."""
+        assert self.disc.near is not None
+        usual = self.options.copy()
+        self.options[[5, 7, 8]] = 4.0 * self.settings.iterations, 0.0, 0.2 * self.disc.near.reach
+        outcome = self._iterate(self.tables, x, external, moved)
+        self.options[:] = usual
         return outcome
 
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
@@ -204,6 +291,7 @@ class Newton:
 
     def applied(self, x: Array, external: Array) -> Array:
         """The loads (n, 6) of ``external`` as they act on ``x``, with followers turned."""
+        self._look_around(x)
         kernel.internal_forces(self.tables, self.work, x, self.globals, external)
         return self.work.applied.copy()
 
@@ -239,6 +327,7 @@ class Newton:
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""
+        self._look_around(x)
         kernel.begin(int(self.scheme.rates), self.tables.carried, self.disc.nodes, self.disc.rows, x, self.globals)
 
     def finish(self, x: Array, before: Array | None = None) -> Books:
@@ -263,16 +352,23 @@ class Newton:
         return x[: self.disc.nodes, :3] + self.origin
 
     def _follow(self, x: Array) -> None:
-        """Measure the positions of a free model from a point that goes along with it.
+        """Measure the positions of a free model from a point that goes along with it."""
+        shift = self.shift(x[0, :3])
+        if shift is not None:
+            x[: self.disc.nodes, :3] -= shift
+
+    def shift(self, first: Array) -> Array | None:
+        """By how much the origin moves along with a model whose first node is at ``first``; None where it stays.
 
         Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
         of two, so no digit of a position changes.
         """
-        if np.abs(x[0, :3]).max() > 8.0 * self.disc.length:
-            grain = 2.0 ** np.floor(np.log2(self.disc.length))
-            shift = np.rint(x[0, :3] / grain) * grain
-            x[: self.disc.nodes, :3] -= shift
-            self.origin += shift
+        if np.abs(first).max() <= 8.0 * self.disc.length:
+            return None
+        grain = 2.0 ** np.floor(np.log2(self.disc.length))
+        shift = np.rint(first / grain) * grain
+        self.origin += shift
+        return shift
 
     def _about_zero(self) -> Books:
         if self.free:
@@ -283,6 +379,7 @@ class Newton:
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""
+        self._look_around(x)
         kernel.books(self.tables, self.work, x, self.totals, self.strains)
         self.work.flow[:] = 0.0
         self.work.joints[:] = 0.0

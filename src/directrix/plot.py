@@ -40,7 +40,8 @@ class Plots:
     result: Result
 
     def shape(self, at: int = -1, ax: Axes | None = None) -> Axes:
-        """Deformed axis at saved instant ``at`` (negative counts from the end) over the undeformed one.
+        """Deformed axis at saved instant ``at`` (negative counts from the end) over the undeformed one; rigid arms of
+        bodies are thin lines, joints small open circles.
 
         Raises ModelError when there is no such instant.
         """
@@ -55,7 +56,9 @@ class Plots:
         for rod in result.mesh.rods:
             stage.line(draw.axis_line(rod, result.r[at]), color=draw.BLUE, lw=2.2, solid_capstyle="round")
             stage.line(result.r[at, rod.nodes], ls="", marker="o", ms=2.5, color=draw.INK)
+        draw.arms(stage, result, at, color=draw.GREY)
         draw.names(stage, result, at)
+        draw.joints(stage, result, at)
         stage.finish(f"{result.name}, {draw.clock(result)} = {result.t[at]:.4g}")
         return stage.ax
 
@@ -80,7 +83,9 @@ class Plots:
         for k in picked:
             for rod in result.mesh.rods:
                 stage.line(draw.axis_line(rod, result.r[k]), color=hues(norm(order[k])), lw=1.8)
+            draw.arms(stage, result, int(k), color=hues(norm(order[k])))
         draw.names(stage, result, int(picked[-1]))
+        draw.joints(stage, result, int(picked[-1]))
         stage.finish(result.name)
         label = draw.clock(result) if draw.rises(result) else "arc length of the path"
         stage.ax.figure.colorbar(ScalarMappable(norm, hues), ax=stage.ax, label=label, shrink=0.7, pad=0.1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Literal
 
@@ -87,6 +88,7 @@ class Recorder:
             history=history,
             joints=joints,
             links=self.disc.link_states(r, rotation),
+            contacts=self.disc.contact_states(r),
         )
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:
@@ -108,6 +110,7 @@ class Recorder:
         return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return version(name)

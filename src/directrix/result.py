@@ -58,7 +58,9 @@ class Mesh:
     """The discretised model as a result needs it: names and places, no mechanics.
 
     ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
-    ``notes`` are sentences about what meshing changed, ``joints`` their names.
+    ``notes`` are sentences about what meshing changed. ``joints`` are the joints' names, ``joint_nodes`` (joints, 2)
+    the nodes of their base and of what moves, −1 for the ground, and ``joint_arms`` (joints, 2, 3) the way from these
+    nodes to the joint in the reference; on the ground its place.
     """
 
     rods: tuple[RodMesh, ...]
@@ -66,6 +68,16 @@ class Mesh:
     r0: Array
     notes: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
+    joint_nodes: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    joint_arms: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
+
+    @cached_property
+    def loose(self) -> NDArray[np.int64]:
+        """Indices of the nodes that are on no rod."""
+        on = np.zeros(len(self.r0), bool)
+        for rod in self.rods:
+            on[rod.nodes] = True
+        return np.flatnonzero(~on)
 
     def rod(self, name: str) -> RodMesh:
         """The rod called ``name``; raises ModelError with the names there are."""
@@ -223,6 +235,15 @@ class LinkHistory:
 
 
 @dataclass(frozen=True)
+class ContactHistory:
+    """A contact through the run, each (nt,): ``gap`` the smallest distance of surfaces, negative where they overlap
+    (infinite where rods are far apart), ``force`` the sum of the normal forces at the saved instants."""
+
+    gap: Array
+    force: Array
+
+
+@dataclass(frozen=True)
 class JointHistory:
     """A joint through the run.
 
@@ -259,6 +280,7 @@ class Result:
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
     links : (nt, 2) length and elastic tension of each link, by name; see :meth:`link`
+    contacts : (nt, 2) smallest gap and sum of normal forces of each contact, by name; see :meth:`contact`
     joints : (nt, joints, 6) force and moment of every joint on what it moves; see :meth:`joint`
     history : (nt, rows, 12) multipliers and coordinates of joints, one row each, then what a formulation or a scheme
         carries beside the nodes, to go on with ``start=``; no rows for most
@@ -287,6 +309,7 @@ class Result:
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
     stability: PathStability | None = None
 
@@ -325,12 +348,27 @@ class Result:
             raise ModelError(f"there is no link {name!r}", f"links: {', '.join(self.links) or 'none'}")
         return LinkHistory(*self.links[name].T)
 
+    def contact(self, name: str) -> ContactHistory:
+        """History of one contact, by name; raises ModelError for an unknown one."""
+        if name not in self.contacts:
+            raise ModelError(f"there is no contact {name!r}", f"contacts: {', '.join(self.contacts) or 'none'}")
+        return ContactHistory(*self.contacts[name].T)
+
     def joint(self, name: str) -> JointHistory:
         """History of one joint, by name; raises ModelError for an unknown one."""
         if name not in self.mesh.joints:
             raise ModelError(f"there is no joint {name!r}", f"joints: {', '.join(self.mesh.joints) or 'none'}")
         k = self.mesh.joints.index(name)
         return JointHistory(self.joints[:, k, :3], self.joints[:, k, 3:], self.history[:, k, 6])
+
+    def joint_ends(self, at: int) -> Array:
+        """At saved instant ``at``, of every joint's base and of what it moves (joints, 2, 2, 3): the node, and the
+        point that it carries there; on the ground both are the place of the joint."""
+        nodes, arms = self.mesh.joint_nodes, self.mesh.joint_arms
+        ground = nodes < 0
+        foot = np.where(ground[..., None], arms, self.r[at, nodes])
+        turned = np.einsum("jeik,jek->jei", self.R[at, nodes], arms)
+        return np.stack([foot, foot + np.where(ground[..., None], 0.0, turned)], axis=2)
 
     def directors(self, name: str) -> Array:
         """Directors at the nodes of one rod, (nt, m, 3, 3), columns d1, d2, d3."""

@@ -49,6 +49,10 @@ def sources_of(model: Model, groups: Sequence[Group], scheme: Scheme) -> Sources
         working.update([name] if works else ())
         return index.setdefault(name, len(index))
 
+    if not scheme.static:  # their elements come and go, their names are there from the start
+        for touch in model.rod_contacts:
+            if touch.friction:
+                at(touch.where, True, False)
     element: list[tuple[int, int]] = []
     for group in groups:
         for name in group.names:

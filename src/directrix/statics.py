@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
 from directrix.checks import choice, flag, reporting, whole
+from directrix.contact_groups import refuse_rod_contacts
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
 from directrix.critical import PathStability
 from directrix.diagnosis import at_start, noted, refuse
@@ -109,6 +110,8 @@ def solve_static(
             "follow it with dx.Directors() or dx.CrisfieldJelenic()",
             "formulation=",
         )
+    if control is not None and isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
+        refuse_rod_contacts(model, "a path with a control has its system of equations for good", "control=")
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)

@@ -16,13 +16,14 @@ from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
 
 __all__ = [
-    "Attached", "AttachedLayout", "BodyElement", "LinkElement", "TendonElement", "books", "discrete_ramp", "ramp",
+    "Attached", "AttachedLayout", "BodyElement", "LinkElement", "TendonElement", "books", "discrete_ramp", "length",
+    "ramp",
 ]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class AttachedLayout(Layout):
-    """One or two nodes and a plain list of ``size`` parameters; no stress points."""
+    """Some nodes and a plain list of ``size`` parameters; no stress points."""
 
     parameters: int = 0
 
@@ -34,7 +35,7 @@ class AttachedLayout(Layout):
 
 @dataclass(frozen=True)
 class Attached:
-    """What links, bodies and joints share: no history, no strains."""
+    """What links, bodies, joints and contacts share: no history, no strains."""
 
     rates: Rates
     sampled = False
@@ -94,8 +95,8 @@ class TendonElement(_Straight):
         """See :class:`Element`."""
         at, d1, d0 = self._vectors(x, layout, p)
         if self.half:
-            return self._pull(at, p, scale(0.5 * (p[6] + p[7]) / (_length(d0) + _length(d1)), add(d0, d1)))
-        return self._pull(at, p, scale(p[7] / _length(d1), d1))
+            return self._pull(at, p, scale(0.5 * (p[6] + p[7]) / (length(d0) + length(d1)), add(d0, d1)))
+        return self._pull(at, p, scale(p[7] / length(d1), d1))
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: nothing is stored."""
@@ -105,7 +106,7 @@ class TendonElement(_Straight):
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """Nothing dissipated; the work −½(T0 + T1) Δℓ."""
         _, d1, d0 = self._vectors(x, layout, p)
-        return [0.0 * p[6], 0.5 * (p[6] + p[7]) * (_length(d0) - _length(d1))]
+        return [0.0 * p[6], 0.5 * (p[6] + p[7]) * (length(d0) - length(d1))]
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class LinkElement(_Straight):
     def _step(self, x: Sequence[Scalar], layout: Layout, p: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """Lengths at x0 and x1, tension of the step from its energy."""
         _, d1, d0 = self._vectors(x, layout, p)
-        a, b = _length(d0), _length(d1)
+        a, b = length(d0), length(d1)
         if not self.half:
             return b, b, self._tension(b - p[7], b - p[7], p)
         return a, b, self._tension(a - p[7], b - p[7], p)
@@ -145,7 +146,7 @@ class LinkElement(_Straight):
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
-        e = _length(self._vectors(x, layout, p)[1]) - p[7]
+        e = length(self._vectors(x, layout, p)[1]) - p[7]
         pulled = ramp(e, p[9]) if self.cable else e
         return books(layout, 0.5 * p[6] * pulled * pulled, 0.0 * e, [0.0 * e] * 3, [0.0 * e] * 3)
 
@@ -205,7 +206,7 @@ def discrete_ramp(e0: Scalar, e1: Scalar, width: Scalar) -> Scalar:
     return 0.25 * ramps * (1.0 + (e0 + e1) / (q0 + q1))
 
 
-def _length(d: Vector) -> Scalar:
+def length(d: Vector) -> Scalar:
     """|d|; a link of no length has no direction, and no force either."""
     return (dot(d, d) + 1e-300) ** 0.5
 

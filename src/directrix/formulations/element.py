@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
-from directrix.kernels.trace import Graph, Sym, cross, derivative
+from directrix.kernels.jacobian import jacobian
+from directrix.kernels.trace import Graph, Sym, cross
 
 __all__ = [
     "COMMON",
@@ -20,6 +21,7 @@ __all__ = [
     "record_commit",
     "record_lost",
     "record_step",
+    "step_of",
 ]
 
 COMMON = 8  # scalars that all elements of a run share
@@ -100,21 +102,30 @@ def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
     graph, x, p, g = _inputs(element, layout)
+    return graph, *step_of(graph, element, layout, x, p, g, tangent)
+
+
+def step_of(
+    graph: Graph, element: Element, layout: Layout, x: Sequence[Sym], p: Sequence[Sym], g: Sequence[Sym], tangent: bool
+) -> tuple[list[Sym], list[int]]:
+    """What :func:`record_step` records, for inputs that are there already."""
     out, moving, turning = element.step(layout, x, p, g)
     size = 6 * layout.nn
     results, places = list(out), list(range(size))
-    # column after column: what one direction computes is used while it is at hand
+    seeds: list[dict[Sym, Sym | float]] = []
     for b in range(layout.nn) if tangent else ():
         adds = layout.last_adds and b == layout.nn - 1
         for k in range(6):
             if k < 3 or adds:
-                seed = {v[k % 3]: 1.0 for v in (moving if k < 3 else turning)[b]}
+                seeds.append({v[k % 3]: 1.0 for v in (moving if k < 3 else turning)[b]})
             else:
                 e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
-                seed = {d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))}
-            results += derivative(graph, out, seed)
-            places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
-    return graph, results, places
+                seeds.append({d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))})
+    for column, slopes in enumerate(jacobian(graph, out, seeds)):
+        b, k = divmod(column, 6)
+        results += slopes
+        places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
+    return results, places
 
 
 def record_audit(element: Element, layout: Layout) -> Recorded:

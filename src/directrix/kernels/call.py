@@ -5,7 +5,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-__all__ = ["FACTORS", "add_block", "call_elimination", "call_kernel"]
+__all__ = ["FACTORS", "add_block", "call_elimination", "call_kernel", "call_lanes"]
 
 FACTORS = 56  # what the elimination leaves of a row
 
@@ -70,3 +70,20 @@ def add_block(typing_context, to, at, values, first):
         return context.get_dummy_value()
 
     return types.none(to, types.int64, values, types.int64), codegen
+
+
+@intrinsic
+def call_lanes(typing_context, address, arrays, first):
+    """Run the function at ``address`` (see :mod:`directrix.kernels.lanes`) on ``arrays[k][first[k]:]``, all flat."""
+
+    def codegen(context, builder, signature, args):
+        pointers = []
+        for k, kind in enumerate(signature.args[1].types):
+            array = context.make_array(kind)(context, builder, builder.extract_value(args[1], k))
+            pointers.append(builder.gep(array.data, [builder.extract_value(args[2], k)]))
+        double = ir.DoubleType().as_pointer()
+        function = ir.FunctionType(ir.VoidType(), [double] * len(pointers)).as_pointer()
+        builder.call(builder.inttoptr(args[0], function), pointers)
+        return context.get_dummy_value()
+
+    return types.none(types.int64, arrays, types.UniTuple(types.int64, len(arrays))), codegen

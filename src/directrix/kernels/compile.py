@@ -27,8 +27,16 @@ from directrix.kernels.trace import FUNCTIONS, Graph, Sym, needed
 __all__ = ["LANES", "STRIDE", "cache_dir", "kernel_address", "padded", "text_address"]
 
 
+@cache
 def _features() -> str:
     return llvm.get_host_cpu_features().flatten()
+
+
+@cache
+def _key() -> bytes:
+    """What machine code depends on beside its own description."""
+    machine = f"{llvm.get_host_cpu_name()} {_features()} {llvmlite.__version__} {LANES}"
+    return _sources() + machine.encode()
 
 
 def _machine() -> Any:
@@ -159,7 +167,7 @@ def _sources() -> bytes:
         *sorted((here.parent / "formulations").glob("*.py")),
         here.parent / "basis.py",
     ]
-    return b"\0".join(f.read_bytes() for f in files)
+    return hashlib.sha256(b"\0".join(f.read_bytes() for f in files)).digest()
 
 
 _addresses: dict[str, int] = {}
@@ -181,8 +189,7 @@ def kernel_address(description: str, build: Callable[[], Recorded]) -> int:
 
 def text_address(description: str, text: Callable[[str], str]) -> int:
     """Address of the function that ``text(name)`` defines in LLVM's language, compiled at most once per machine."""
-    machine_key = f"{llvm.get_host_cpu_name()} {_features()} {llvmlite.__version__} {LANES}"
-    digest = hashlib.sha256(_sources() + machine_key.encode() + description.encode()).hexdigest()
+    digest = hashlib.sha256(_key() + description.encode()).hexdigest()
     name = f"k{digest[:24]}"
     if name in _addresses:
         return _addresses[name]

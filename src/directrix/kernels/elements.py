@@ -107,6 +107,7 @@ def assemble(tables, work, x, g, external, mask, frozen):
     rhs[:] = 0.0
     by_nodes = nodal_terms(tables, work, x, g, external)
     flat_internal, flat_blocks, out = internal.reshape(-1), blocks.reshape(-1), work.out
+    flat_inside = work.node_block.reshape(-1)
     for group in range(tables.head.shape[0]):
         head = tables.head[group]
         nn, ne = head[NN], head[COUNT]
@@ -122,6 +123,8 @@ def assemble(tables, work, x, g, external, mask, frozen):
                 _scatter(out, from_, tables.conn, head[CONN] + e * nn, nn, flat_internal)
                 if head[UNKNOWN] == nn:
                     _add_blocks(out, from_ + nd, tables.dest, head[DEST] + e * nn * nn, nn * nn, flat_blocks)
+                elif nn == 1:  # on an interior node, which goes with the element of the rod
+                    add_block(flat_inside, 36 * tables.conn[head[CONN] + e], out, from_ + nd)
                 else:
                     conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
                     to = tables.dest[head[DEST] + 4 * e : head[DEST] + 4 * e + 4]

@@ -38,7 +38,7 @@ def nodal_terms(tables, work, x, g, external):
             follows = follows or (node < tables.nodes and external[node, 6 + i] != 0.0)
     for joint in range(tables.nodes, applied.shape[0]):
         x[joint, DRIVE] = external[joint, 6]
-    if not follows and tables.rates != DISSIPATIVE:
+    if not follows and not tables.inside and tables.rates != DISSIPATIVE:
         return False
     work.node_block[:] = 0.0
     if follows:

@@ -89,7 +89,7 @@ def spread(tables, work):
         head = tables.head[group]
         nn = head[NN]
         m = 6 * (nn - 2)
-        for e in range(head[COUNT] if nn > head[UNKNOWN] else 0):
+        for e in range(head[COUNT] if nn > 2 and nn > head[UNKNOWN] else 0):
             conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
             back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
             for i in range(m):
@@ -100,12 +100,12 @@ def spread(tables, work):
 
 
 @compiled
-def move(step, nodes, x, frozen, cayley, limit):
+def move(step, nodes, x, frozen, cayley, limit, far=np.inf):
     """Add the increments ``step`` (≥ n, 6) to the ``nodes`` of ``x`` and to the multipliers behind them; largest
     displacement and turn.
 
-    If a node would turn by more than ``limit`` everything is scaled down to that turn. Node of the first
-    value that is not finite, or −1.
+    If a node would turn by more than ``limit``, or move further than ``far``, everything is scaled down to that. Node
+    of the first value that is not finite, or −1.
     """
     moved, turned = 0.0, 0.0
     for node in range(step.shape[0]):
@@ -118,6 +118,8 @@ def move(step, nodes, x, frozen, cayley, limit):
             moved, turned = max(moved, d2), max(turned, t2)
     moved, turned = sqrt(moved), sqrt(turned)
     factor = 1.0 if turned <= limit else limit / turned
+    if factor * moved > far:
+        factor = far / moved
     q, t = np.empty((3, 3)), np.empty(3)
     for node in range(nodes, step.shape[0]):
         for i in range(6):
@@ -139,10 +141,10 @@ def move(step, nodes, x, frozen, cayley, limit):
 
 
 @compiled
-def advance(tables, work, x, frozen, cayley, limit):
+def advance(tables, work, x, frozen, cayley, limit, far=np.inf):
     """Spread the increments ``work.du`` over all nodes and :func:`move` them."""
     spread(tables, work)
-    return move(work.step, tables.nodes, x, frozen, cayley, limit)
+    return move(work.step, tables.nodes, x, frozen, cayley, limit, far)
 
 
 @inner
@@ -184,7 +186,7 @@ def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
-    whether the positions are solved for by themselves after a large turn.
+    whether the positions are solved for by themselves after a large turn, largest displacement per iteration.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -208,7 +210,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 return SINGULAR
         control[PHASE] = 0
         frozen = control[FROZEN] == 1
-        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit)
+        moved, turned, bad = advance(tables, work, x, frozen, cayley, limit, options[8])
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE

@@ -52,6 +52,7 @@ class Tables(NamedTuple):
     rates: int
     half: bool
     carried: bool
+    inside: bool
     nodes: int
     lumped: Array
     damping: Array
@@ -161,6 +162,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         int(scheme.rates),
         scheme.rates not in (Rates.NONE, Rates.ALPHA),
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
+        any(g.inside and g.condensed for g in disc.groups),
         disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
         *_damping(disc, scheme),

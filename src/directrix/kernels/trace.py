@@ -15,9 +15,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-__all__ = ["FUNCTIONS", "Graph", "Sym", "cross", "derivative", "dot", "needed", "replay"]
+__all__ = ["FUNCTIONS", "Graph", "Sym", "cross", "derivative", "dot", "needed", "replay", "slopes"]
 
-Op = Literal["in", "const", "add", "sub", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh"]
+Op = Literal["in", "const", "add", "sub", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh", "abs", "max"]
 Number = float | int
 
 FUNCTIONS: dict[str, Callable[[Any], Any]] = {
@@ -58,6 +58,11 @@ class Graph:
         op, a, _ = self.ops[index]
         return float(a) if op == "const" else None
 
+    def negated(self, index: int) -> Sym | None:
+        """a where the value is −a, else None."""
+        op, a, b = self.ops[index]
+        return Sym(self, b) if op == "sub" and self.value_of(int(a)) == 0.0 else None
+
     def add(self, a: Sym, b: Sym) -> Sym:
         """a + b."""
         x, y = self.value_of(a.index), self.value_of(b.index)
@@ -67,10 +72,15 @@ class Graph:
             return b
         if y == 0.0:
             return a
+        minus_a, minus_b = self.negated(a.index), self.negated(b.index)
+        if minus_b is not None:
+            return self.sub(a, minus_b)
+        if minus_a is not None:
+            return self.sub(b, minus_a)
         return self._intern("add", min(a.index, b.index), max(a.index, b.index))
 
     def sub(self, a: Sym, b: Sym) -> Sym:
-        """a − b."""
+        """a − b. Signs are moved to where they cost nothing: no rounding changes."""
         x, y = self.value_of(a.index), self.value_of(b.index)
         if x is not None and y is not None:
             return self.const(x - y)
@@ -78,6 +88,15 @@ class Graph:
             return a
         if a.index == b.index:
             return self.const(0.0)
+        minus_a, minus_b = self.negated(a.index), self.negated(b.index)
+        if minus_b is not None:
+            return minus_b if x == 0.0 else self.add(a, minus_b)
+        if x == 0.0:
+            op, c, d = self.ops[b.index]
+            if op == "sub":
+                return self.sub(Sym(self, d), Sym(self, int(c)))
+        elif minus_a is not None:
+            return -self.add(minus_a, b)
         return self._intern("sub", a.index, b.index)
 
     def mul(self, a: Sym, b: Sym) -> Sym:
@@ -85,12 +104,24 @@ class Graph:
         x, y = self.value_of(a.index), self.value_of(b.index)
         if x is not None and y is not None:
             return self.const(x * y)
-        if x == 0.0 or y == 0.0:
+        if y is not None:
+            a, b, x, y = b, a, y, x
+        if x == 0.0:
             return self.const(0.0)
         if x == 1.0:
             return b
-        if y == 1.0:
-            return a
+        if x is not None and x < 0.0:
+            return -self.mul(self.const(-x), b)
+        minus_a, minus_b = self.negated(a.index), self.negated(b.index)
+        if minus_a is not None or minus_b is not None:
+            product = self.mul(a if minus_a is None else minus_a, b if minus_b is None else minus_b)
+            return product if minus_a is not None and minus_b is not None else -product
+        if x is not None and self.ops[b.index][0] == "mul":  # c (c' v) = (c c') v
+            _, c, d = self.ops[b.index]
+            for one, other in ((int(c), d), (d, int(c))):
+                inside = self.value_of(one)
+                if inside is not None:
+                    return self.mul(self.const(x * inside), Sym(self, other))
         return self._intern("mul", min(a.index, b.index), max(a.index, b.index))
 
     def div(self, a: Sym, b: Sym) -> Sym:
@@ -101,6 +132,14 @@ class Graph:
         if x == 0.0:
             return a
         return self._intern("div", a.index, b.index)
+
+    def larger(self, a: Sym, b: Sym) -> Sym:
+        """max(a, b)."""
+        return self._intern("max", a.index, b.index)
+
+    def magnitude(self, a: Sym) -> Sym:
+        """|a|."""
+        return self._intern("abs", a.index)
 
     def call(self, function: Op, a: Sym) -> Sym:
         """``function(a)``, one of FUNCTIONS."""
@@ -174,6 +213,14 @@ class Sym:
     def tanh(self) -> Sym:
         return self.graph.call("tanh", self)
 
+    def size(self) -> Sym:
+        """|value|, of which no derivative is taken."""
+        return self.graph.magnitude(self)
+
+    def larger(self, other: Sym) -> Sym:
+        """The larger of two, of which no derivative is taken; a NaN in the other is returned."""
+        return self.graph.larger(self, other)
+
     def sinh(self) -> Sym:
         return 0.5 * (self.exp() - (-self).exp())
 
@@ -217,6 +264,40 @@ def needed(graph: Graph, outputs: Iterable[Sym], done: set[int] | None = None) -
     return order
 
 
+def slopes(graph: Graph, index: int) -> dict[int, Sym]:
+    """∂value/∂operand for the operands of one operation."""
+    op, first, b = graph.ops[index]
+    if op in ("in", "const"):
+        return {}
+    a, one = int(first), graph.const(1.0)
+    x, f = Sym(graph, a), Sym(graph, index)
+    match op:
+        case "add" | "sub" | "mul" | "div":
+            y = Sym(graph, b)
+            match op:
+                case "add":
+                    pair = one, one
+                case "sub":
+                    pair = one, -one
+                case "mul":
+                    pair = y, x
+                case _:
+                    pair = 1.0 / y, -f / y
+            return {a: pair[0] + pair[1]} if a == b else {a: pair[0], b: pair[1]}
+        case "sqrt":
+            return {a: 0.5 / f}
+        case "exp":
+            return {a: f}
+        case "log":
+            return {a: 1.0 / x}
+        case "sin":
+            return {a: x.cos()}
+        case "cos":
+            return {a: -x.sin()}
+        case _:  # tanh
+            return {a: 1.0 - f * f}
+
+
 def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Number]) -> list[Sym]:
     """Directional derivative of the outputs, forward mode.
 
@@ -228,35 +309,10 @@ def derivative(graph: Graph, outputs: Sequence[Sym], seed: Mapping[Sym, Sym | Nu
     for index in needed(graph, outputs):
         if index in d:
             continue
-        op, a, b = graph.ops[index]
-        if op in ("in", "const"):
-            continue
-        da, db = d.get(int(a)), d.get(b)
-        if da is None and db is None:
-            continue
-        da, db = da or zero, db or zero
-        x, y, f = Sym(graph, int(a)), Sym(graph, b), Sym(graph, index)
-        match op:
-            case "add":
-                value = da + db
-            case "sub":
-                value = da - db
-            case "mul":
-                value = da * y + x * db
-            case "div":
-                value = (da - f * db) / y
-            case "sqrt":
-                value = 0.5 * da / f
-            case "exp":
-                value = da * f
-            case "log":
-                value = da / x
-            case "sin":
-                value = da * x.cos()
-            case "cos":
-                value = -da * x.sin()
-            case "tanh":
-                value = da * (1.0 - f * f)
+        value = zero
+        for operand, slope in slopes(graph, index).items():
+            if operand in d:
+                value = value + slope * d[operand]
         if graph.value_of(value.index) != 0.0:
             d[index] = value
     return [d.get(out.index, zero) for out in outputs]

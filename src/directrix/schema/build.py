@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
@@ -126,6 +127,9 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         yield ("drag", k), partial(_drag, dragged)
     for k, joint in enumerate(tables.joint):
         yield ("joint", k), partial(_joint, joint)
+    for key in ("contact", "self_contact", "contact_between"):
+        for k, table in enumerate(getattr(tables, key)):
+            yield (key, k), partial(_touch, key, table)
     for k, start in enumerate(tables.velocity):
         yield ("velocity", k), partial(_velocity, start)
     if tables.rigid_velocity is not None:
@@ -268,6 +272,14 @@ def _joint(joint: j.AnyJoint, model: Model) -> Model:
             if value is not None:
                 given[key] = value
     return getattr(model, joint.kind)(**given)
+
+
+def _touch(kind: str, table: m.Touch, model: Model) -> Model:
+    given = dict(_given(table))
+    if isinstance(table, m.Contact):
+        surface = {"plane": Plane, "sphere": Sphere, "cylinder": Cylinder}[table.obstacle.kind]
+        given["obstacle"] = surface(**_given(table.obstacle))
+    return getattr(model, kind)(**given)
 
 
 def _velocity(start: m.Velocity, model: Model) -> Model:

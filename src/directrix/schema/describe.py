@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix import functions
+from directrix.contacts import Contact, Cylinder, Plane, RodContact, Sphere
 from directrix.discretisation import Discretisation
 from directrix.joints import KINDS, Joint
 from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity
@@ -54,6 +55,7 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
         yield f"  {name} at {_vector(disc.mesh.r0[k])}" + (f", held: {' '.join(held)}{moved}" if held else "")
     yield from _attached(disc)
     yield from _joints(disc, isinstance(case.analysis, Statics))
+    yield from _touching(disc.model)
     yield from _loads(disc, isinstance(case.analysis, Statics))
     assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
@@ -178,6 +180,28 @@ def _acting(joint: Joint, static: bool) -> Iterator[str]:
     if joint.stops is not None:
         low, high = joint.stops
         yield f"stops at {low:.6g} and {high:.6g} of stiffness {joint.stop_stiffness:.6g}"
+
+
+def _touching(model: Model) -> Iterator[str]:
+    if model.contacts or model.rod_contacts:
+        yield "contacts"
+    for touch in (*model.contacts, *model.rod_contacts):
+        rods = "all rods" if touch.rods is None else ", ".join(touch.rods)
+        match touch:
+            case Contact(obstacle=Plane() as plane):
+                to = f"a plane through {_vector(np.array(plane.point))}, normal {_vector(np.array(plane.normal))}"
+            case Contact(obstacle=Sphere() as ball):
+                to = f"{'the inside of ' if ball.inside else ''}a sphere at {_vector(np.array(ball.center))}, radius "
+                to += f"{ball.radius:.6g}"
+            case Contact(obstacle=Cylinder() as pipe):
+                to = f"{'the inside of ' if pipe.inside else ''}a cylinder through {_vector(np.array(pipe.point))} "
+                to += f"along {_vector(np.array(pipe.axis))}, radius {pipe.radius:.6g}"
+            case RodContact(others=None):
+                to = "one another and themselves"
+            case _:
+                to = ", ".join(getattr(touch, "others", ()))
+        rough = f", friction {touch.friction:.6g} from {touch.slip_speed:.6g} on" if touch.friction else ""
+        yield f"  {touch.name}: {rods} against {to}, stiffness {touch.stiffness:.6g} per length{rough}"
 
 
 def _loads(disc: Discretisation, static: bool) -> Iterator[str]:

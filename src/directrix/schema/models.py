@@ -369,6 +369,91 @@ class RigidBody(PointMass):
     """From the node to its centre of mass, which is then a node "NODE.body" in a rigid joint of that name."""
 
 
+# --- what rods may touch
+
+
+class Plane(Strict):
+    """A plane."""
+
+    kind: Literal["plane"]
+    point: Vector
+    normal: Vector
+    """To where the rods are."""
+
+
+class Sphere(Strict):
+    """A sphere."""
+
+    kind: Literal["sphere"]
+    center: Vector
+    radius: NotNegative
+    inside: bool = False
+    """The rods are within it."""
+
+
+class Cylinder(Strict):
+    """A cylinder without ends."""
+
+    kind: Literal["cylinder"]
+    point: Vector
+    """A point of its axis."""
+    axis: Vector
+    radius: NotNegative
+    inside: bool = False
+    """The rods are within it: a pipe."""
+
+
+RodNames = Annotated[tuple[Name, ...], Field(strict=False, min_length=1)]
+
+
+class Touch(Strict):
+    """What all contacts have."""
+
+    name: Name | None = None
+    """"contact1", "contact2", … unless given."""
+    stiffness: Positive
+    """Force per penetration and per length of rod."""
+    friction: NotNegative = 0.0
+    """Coulomb's coefficient, in dynamics."""
+    slip_speed: Positive | None = None
+    """Sliding speed below which friction falls off; needed with friction."""
+    radius: Positive | None = None
+    """Of the rods; that of a round section unless given."""
+    width: Positive | None = None
+    """Penetration over which the force rises; a tenth of the radius unless given."""
+
+
+class Contact(Touch):
+    """Rods against a surface that is fixed."""
+
+    obstacle: Annotated[Plane | Sphere | Cylinder, Field(discriminator="kind")]
+    rods: RodNames | None = None
+    """All unless given."""
+    radius: NotNegative | None = None
+    """Of the rods; that of a round section unless given."""
+
+
+PointsOfPiece = Annotated[int, Field(ge=1, le=6)]
+
+
+class SelfContact(Touch):
+    """Rods against one another and each against itself."""
+
+    rods: RodNames | None = None
+    """All unless given."""
+    points: PointsOfPiece = 2
+    """Of every piece between two nodes, which are held against the pieces that come near."""
+
+
+class ContactBetween(Touch):
+    """Rods against others."""
+
+    rods: RodNames
+    others: RodNames
+    points: PointsOfPiece = 2
+    """Of every piece between two nodes, which are held against the pieces that come near."""
+
+
 # --- what to do
 
 
@@ -537,6 +622,9 @@ class CaseFile(Strict):
     drag: Annotated[tuple[Drag, ...], Field(strict=False)] = ()
     point_mass: Annotated[tuple[PointMass, ...], Field(strict=False)] = ()
     rigid_body: Annotated[tuple[RigidBody, ...], Field(strict=False)] = ()
+    contact: Annotated[tuple[Contact, ...], Field(strict=False)] = ()
+    self_contact: Annotated[tuple[SelfContact, ...], Field(strict=False)] = ()
+    contact_between: Annotated[tuple[ContactBetween, ...], Field(strict=False)] = ()
     rigid_velocity: RigidVelocity | None = None
     statics: Statics | None = None
     dynamics: Dynamics | None = None

@@ -233,6 +233,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         _put(root, name, getattr(result, name))
     for key, named in (
         ("links", result.links),
+        ("contacts", result.contacts),
         ("dissipated_by_source", result.energy.by_source),
         ("work_by_source", result.energy.work_by_source),
     ):
@@ -253,6 +254,8 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     sizes = [(len(r.nodes), len(r.stations), len(r.outline), r.order, r.first_station) for r in mesh.rods]
     _put(group, "sizes", np.array(sizes, np.int64).reshape(-1, 5))
     _put(group, "r0", mesh.r0)
+    _put(group, "joint_nodes", mesh.joint_nodes)
+    _put(group, "joint_arms", mesh.joint_arms)
     for name in ("nodes", "s", "directors", "stations", "outline"):
         _put(group, name, _one_after_the_other([getattr(rod, name) for rod in mesh.rods]))
 
@@ -275,15 +278,17 @@ def _read_result(root: Any) -> Result:
     )  # fmt: skip
     names, notes = text("node_names"), tuple(text("mesh_notes"))
     joints = tuple(text("joint_names")) if "joint_names" in root else ()
+    ends = (group["joint_nodes"][()], group["joint_arms"][()]) if "joint_nodes" in group else ()
     audit = text("audit")
     audit["entries"] = tuple(Entry(**entry) for entry in audit["entries"])
     audit["notes"] = tuple(audit["notes"])
     return Result(
         kind=text("kind"),
         name=text("name"),
-        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints),
+        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints, *ends),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
+        contacts=_read_named(root, "contacts"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         energy=Energy(

@@ -16,6 +16,7 @@ from directrix.verification import (
     elastica,
     elbow,
     follower,
+    heavy_top,
     helix,
     hinged_frame,
     objectivity,
@@ -35,7 +36,7 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
     roll_up, elastica, follower, bend45, cantilevers, helix,
-    hinged_frame, vibration_and_buckling, branching, elbow, spaghetti, spin_up,
+    hinged_frame, vibration_and_buckling, branching, elbow, spaghetti, spin_up, heavy_top,
 )  # fmt: skip
 _EVERY = [case for module in MODULES for case in module.CASES]
 CASES: tuple[Case, ...] = tuple(sorted(_EVERY, key=lambda case: [int(n) for n in case.section.split(".")]))

@@ -82,9 +82,12 @@ def _data(result: Result) -> dict[str, Any]:
         "nodes": nodes,
         "stations": stations,
         "names": [[name, int(node)] for name, node in result.mesh.node_names.items()],
+        "loose": result.mesh.loose.tolist(),
+        "joints": result.mesh.joint_nodes.tolist(),  # base and what moves, −1 the ground
         "rods": [_rod(rod) for rod in result.mesh.rods],
         "arrays": {
             "r0": _packed(result.mesh.r0, "reference positions"),
+            "arms": _packed(result.mesh.joint_arms, "arms of joints"),
             "t": _packed(result.t[picked], "times"),
             "r": _packed(result.r[picked], "positions"),
             "turn": _packed(np.swapaxes(result.R[picked], -1, -2)[..., :2, :], "rotations"),  # first two columns

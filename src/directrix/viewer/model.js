@@ -98,9 +98,21 @@ function place(skeleton, r, turn) {
   });
 }
 
+// Of every joint's base and of what it moves: the node and the point it carries to the joint; the ground has no node.
+function jointEnds(run, r, turn) {
+  return run.joints.map((pair, j) => pair.map((node, end) => {
+    const [x, y, z] = run.arms.subarray(6 * j + 3 * end, 6 * j + 3 * end + 3);
+    if (node < 0) return { foot: null, tip: [x, y, z] };
+    const [a, b, c, d, e, f] = turn.subarray(6 * node, 6 * node + 6), foot = [...r.subarray(3 * node, 3 * node + 3)];
+    const turned = [a * x + d * y + (b * f - c * e) * z, b * x + e * y + (c * d - a * f) * z, c * x + f * y + (a * e - b * d) * z];
+    return { foot, tip: foot.map((p, m) => p + turned[m]) };
+  }));
+}
+
 // Box of everything that is ever shown; `own` is the model's reach about its own centre, wherever that goes.
 function extent(run) {
-  const all = box([run.r0, run.r]), still = box([run.r0]), width = 3 * run.nodes;
+  const pins = new Float32Array(run.joints.flatMap(([base], j) => (base < 0 ? [...run.arms.subarray(6 * j, 6 * j + 3)] : [])));
+  const all = box([run.r0, run.r, pins]), still = box([run.r0, pins]), width = 3 * run.nodes;
   let own = 0;
   for (let k = 0; k < run.frames; k++) {
     const r = run.r.subarray(k * width, (k + 1) * width), c = centroid(r);

@@ -147,6 +147,7 @@ function segments() {
       if (!checked("sections")) add(at(skeleton.poses, 3 * (q - 1)), at(skeleton.poses, 3 * q), paints.subarray(3 * q, 3 * q + 3), 3);
     }
   }
+  for (const { foot, tip } of jointEnds(run, r, turn).flat()) if (foot) add(foot, tip, seen.ink.ghost3, 1.6);
   if (checked("directors")) {
     const length = Math.max(0.035 * room.size, 1.8 * radius * Number(part("thickness").value)), count = skeleton.knotNode.length;
     const colours = [seen.ink.x3, seen.ink.y3, seen.ink.z3], stride = Math.ceil(count / DIRECTORS_AT_MOST);
@@ -185,18 +186,31 @@ function drawSpace() {
   pen.clearRect(0, 0, width, height);
   pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
   pen.lineJoin = "round";
+  if (scene) {
+    for (const node of run.loose) dot(pen, project(view, [r[3 * node], r[3 * node + 1], r[3 * node + 2]], width, height), true);
+  }
   if (checked("names") && scene) {
     for (const [name, node] of run.names.slice(0, NAMES_AT_MOST)) {
       const spot = project(view, [r[3 * node], r[3 * node + 1], r[3 * node + 2]], width, height);
       if (!spot) continue;
-      pen.fillStyle = seen.ink.ink;
-      pen.beginPath();
-      pen.arc(spot[0], spot[1], 3, 0, 2 * Math.PI);
-      pen.fill();
+      dot(pen, spot, true);
       write(pen, name, spot[0] + 8, spot[1] - 6, seen.ink.ink);
     }
   }
+  if (scene) for (const ends of jointEnds(run, r, turn)) dot(pen, project(view, ends[1].tip, width, height), false);
   if (scene) gizmo(pen, view, 44, height - 44);
+}
+
+// A full dot for a node, an open one for a joint.
+function dot(pen, spot, full) {
+  if (!spot) return;
+  pen.fillStyle = full ? seen.ink.ink : seen.ink.paper;
+  pen.strokeStyle = seen.ink.ink;
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.arc(spot[0], spot[1], full ? 3 : 3.5, 0, 2 * Math.PI);
+  pen.fill();
+  if (!full) pen.stroke();
 }
 
 function write(pen, text, x, y, colour) {

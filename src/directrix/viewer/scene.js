@@ -139,7 +139,7 @@ function makeScene(canvas, samples) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
   if (!gl) return null;
   const skin = program(gl, SKIN_VERTEX, SKIN_FRAGMENT), line = program(gl, LINE_VERTEX, LINE_FRAGMENT);
-  const rows = Math.ceil(3 * samples / POSE_WIDTH), texels = new Float32Array(4 * POSE_WIDTH * rows);
+  const rows = Math.max(1, Math.ceil(3 * samples / POSE_WIDTH)), texels = new Float32Array(4 * POSE_WIDTH * rows);
   const texture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, texture);
   for (const key of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, key, gl.NEAREST);

@@ -1,0 +1,72 @@
+"""What a general frame costs: a cubic lattice of rigid joints, four linear elements a strut, at rest under its weight.
+
+One Newton iteration is an assembly and a sparse solution; the analysis of the pattern, done once, is printed beside it.
+CPU time, best of several.
+
+    python benchmarks/lattice.py [joints along an edge, 10 unless given]
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import time
+from collections.abc import Callable
+
+import directrix as dx
+from directrix.discretisation import discretise
+from directrix.kernels import step
+from directrix.newton import Newton, Settings
+from directrix.state import initial_state
+
+
+def lattice(edge: int, elements: int = 4) -> dx.Model:
+    """edge³ joints, one apart, clamped at the bottom."""
+    section = dx.Section.circle(radius=0.02, E=1e9, nu=0.3, rho=1000)
+    model = dx.Model(name=f"lattice {edge}")
+    for place in itertools.product(range(edge), repeat=3):
+        for axis in range(3):
+            other = tuple(v + (k == axis) for k, v in enumerate(place))
+            if max(other) < edge:
+                ends = ("{}.{}.{}".format(*place), "{}.{}.{}".format(*other))
+                model = model.rod(
+                    dx.line(place, other), section, name="-".join(ends), ends=ends, elements=elements, order=1
+                )
+    for place in itertools.product(range(edge), repeat=2):
+        model = model.clamp("{}.{}.0".format(*place))
+    return model.gravity((0, 0, -9.81))
+
+
+def best(call: Callable[[], object], rounds: int = 3) -> float:
+    """Least CPU seconds of a call."""
+    times: list[float] = []
+    for _ in range(rounds):
+        start = time.process_time()
+        call()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def main(edge: int = 10) -> None:
+    """Print one line."""
+    clock = time.process_time()
+    model = lattice(edge)
+    described, clock = time.process_time() - clock, time.process_time()
+    scheme = dx.EnergyMomentum().scheme(0.01)
+    disc = discretise(model, scheme)
+    meshed, clock = time.process_time() - clock, time.process_time()
+    newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
+    external = disc.external(0.0)
+    step.assemble(newton.tables, newton.work, x, newton.globals, external, newton.mask, False)
+    clock = time.process_time()
+    analysed = newton.sparse
+    order = time.process_time() - clock
+    assembled = best(lambda: step.assemble(newton.tables, newton.work, x, newton.globals, external, newton.mask, False))
+    solved = best(lambda: analysed.solve(newton.work.blocks, newton.work.rhs))
+    print(f"{edge}³ joints, {disc.elements} elements, {6 * len(newton.work.rhs)} unknowns")
+    print(f"once: describe {described:.2f} s, mesh {meshed:.2f} s, analyse {order:.2f} s")
+    print(f"an iteration: assemble {assembled:.3f} s, solve {solved:.3f} s, together {assembled + solved:.3f} s")
+
+
+if __name__ == "__main__":
+    main(*(int(word) for word in sys.argv[1:2]))

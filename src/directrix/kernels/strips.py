@@ -1,0 +1,354 @@
+"""Steps of a chain in lanes, compiled: several steps a call, each Newton's iteration and its books.
+
+The chain is cut into LANES parts of equal length that lie side by side in one strip; the up to LANES − 1 elements that
+are left over follow as a second strip, one element long. Inner nodes are eliminated in lanes (:mod:`rows`), the few
+nodes where parts meet are solved for as a chain of their own. All arrays are flat and end in [… value][lane].
+"""
+# pyright: basic, reportCallIssue=false
+
+from math import sqrt
+
+from directrix.kernels.call import call_lanes
+from directrix.kernels.chain import solve_chain
+from directrix.kernels.compile import LANES
+from directrix.kernels.jit import compiled, inner
+from directrix.kernels.rows import NODE, ROW
+
+__all__ = ["pack", "run", "unpack"]
+
+(
+    STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, CONDENSE, CONDENSE_HOLD,
+    INSIDE,
+) = range(14)  # fmt: skip
+SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
+LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
+SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
+REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
+# places of the results of a step
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD = 0, 1, 2, 5, 8, 16, 17
+
+
+@inner
+def _tangent(code, s, g, frozen):
+    """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
+    small = s.small
+    for e in range(s.elements):
+        at = e * s.stride
+        call_lanes(code[STEP], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        if s.stride == 2:
+            middle = (at + 1) * SIX
+            if frozen:
+                call_lanes(
+                    code[CONDENSE_HOLD], (s.out, s.load, s.within, small, s.still), (0, middle, e * R, 0, middle)
+                )
+            else:
+                call_lanes(code[CONDENSE], (s.out, s.load, s.within, small), (0, middle, e * R, 0))
+        if e == 0:
+            # D, F, G of the next node are BB, BA, AB; b the force on it
+            for k in range(36 * LANES):
+                s.carry[k] = small[120 * LANES + k]
+                s.carry[36 * LANES + k] = small[48 * LANES + k]
+                s.carry[72 * LANES + k] = small[84 * LANES + k]
+                s.carry[120 * LANES + k] = small[12 * LANES + k]
+            for k in range(SIX):
+                s.carry[108 * LANES + k] = -small[SIX + k]
+                s.carry[156 * LANES + k] = -small[k]
+        elif frozen:
+            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.still), (0, 0, at * SIX, e * R, at * SIX))
+        elif s.held[e]:
+            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.free), (0, 0, at * SIX, e * R, at * SIX))
+        else:
+            call_lanes(code[ELIMINATE], (small, s.carry, s.load, s.row), (0, 0, at * SIX, e * R))
+
+
+@inner
+def _again(code, s):
+    """``s.res`` through the rows that are there."""
+    last = s.elements * s.stride * SIX
+    for e in range(s.elements if s.stride == 2 else 0):
+        call_lanes(code[INSIDE], (s.within, s.res), (e * R, 2 * e * SIX))
+    for k in range(SIX):
+        s.carry[108 * LANES + k] = 0.0
+        s.carry[156 * LANES + k] = s.res[k]
+    for e in range(1, s.elements):
+        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * s.stride * SIX, 0))
+    for k in range(SIX):
+        s.carry[108 * LANES + k] += s.res[last + k]
+
+
+@inner
+def _join(s, first, w, only_right):
+    """Add what couples the ends of the parts to the system of the nodes where they meet."""
+    for lane in range(s.lanes):
+        a = first + lane
+        for i in range(6):
+            w.rhs[a, i] += s.carry[(156 + i) * LANES + lane]
+            w.rhs[a + 1, i] += s.carry[(108 + i) * LANES + lane]
+            for j in range(0 if only_right else 6):
+                k = (6 * i + j) * LANES + lane
+                w.blocks[3 * a + 1, i, j] += s.carry[120 * LANES + k]
+                w.blocks[3 * a + 2, i, j] += s.carry[72 * LANES + k]
+                w.blocks[3 * a + 3, i, j] += s.carry[36 * LANES + k]
+                w.blocks[3 * a + 4, i, j] += s.carry[k]
+
+
+@inner
+def _solve(code, main, rest, w, frozen, only_right):
+    """Solve for the nodes where parts meet, then backwards through all rows; largest displacement and turn, and a sum
+    that shows what is not finite."""
+    if not only_right:
+        w.blocks[:] = 0.0
+    w.rhs[:] = 0.0
+    _join(main, 0, w, only_right)
+    _join(rest, main.lanes, w, only_right)
+    for a in range(w.rhs.shape[0]):
+        for i in range(6):
+            if not only_right:
+                w.rhs[a, i] += w.load[a, i]
+            if w.fixed[a, i] or (frozen and i > 2):
+                w.rhs[a, i] = 0.0
+                for b in range(0 if only_right else 3):
+                    for j in range(6):
+                        w.blocks[3 * a + b, i, j] = 0.0
+                w.blocks[3 * a + 1, i, i] = 1.0
+    if solve_chain(w.eliminate, w.blocks, w.rhs, w.factors, w.du) >= 0:
+        return 0.0, 0.0, False
+    w.size[:] = 0.0
+    _back(code, main, 0, w)
+    _back(code, rest, main.lanes, w)
+    moved = turned = total = 0.0
+    for lane in range(LANES):
+        moved, turned = max(moved, w.size[lane]), max(turned, w.size[LANES + lane])
+        total += w.size[2 * LANES + lane]
+    return sqrt(moved), sqrt(turned), total < 1e300
+
+
+@inner
+def _back(code, s, first, w):
+    step = s.stride * SIX
+    last = s.elements * step
+    for lane in range(LANES):
+        a = first + min(lane, max(s.lanes - 1, 0))
+        for i in range(6):
+            s.du[i * LANES + lane] = w.du[a, i]
+            s.du[last + i * LANES + lane] = w.du[a + 1, i] if s.lanes else 0.0
+    if s.lanes == 0:
+        return
+    call_lanes(code[MEASURE], (s.du, w.size), (0, 0))
+    call_lanes(code[MEASURE], (s.du, w.size), (last, 0))
+    for e in range(s.elements - 1, 0, -1):
+        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * step, 0, e * step, 0))
+    for e in range(s.elements if s.stride == 2 else 0):
+        at = e * step
+        call_lanes(
+            code[BACKWARD], (s.within, s.du, s.du, s.du, w.size), (e * R, at + step, at, at + SIX, 0)
+        )  # fmt: skip
+
+
+@inner
+def _move(code, s, scale):
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+        call_lanes(code[MOVE], (s.x, s.du, scale), (node * X, node * SIX, 0))
+
+
+@inner
+def _balance(code, s, first, g, w):
+    """``s.res`` of the inner nodes, and what the parts leave on their ends in ``w.res``."""
+    if s.lanes == 0:
+        return
+    for k in range(SIX):
+        s.f[k] = 0.0
+    for e in range(s.elements):
+        at = e * s.stride
+        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        if e == 0:
+            for lane in range(s.lanes):
+                for i in range(6):
+                    w.res[first + lane, i] -= s.out[i * LANES + lane]
+            call_lanes(code[BALANCE], (s.out, s.f, s.first_load, s.first_free, s.res, w.most), (0, 0, 0, 0, 0, 0))
+        else:
+            to = at * SIX
+            call_lanes(code[BALANCE], (s.out, s.f, s.load, s.free, s.res, w.most), (0, 0, to, to, to, 0))
+    for lane in range(s.lanes):
+        for i in range(6):
+            w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
+
+
+@inner
+def _imbalance(code, main, rest, g, w, options):
+    """Residual of all nodes; the largest unbalanced force or moment over what is allowed, 1e300 if not finite."""
+    w.most[:] = 0.0
+    for a in range(w.res.shape[0]):
+        for i in range(6):
+            w.res[a, i] = w.load[a, i]
+    _balance(code, main, 0, g, w)
+    _balance(code, rest, main.lanes, g, w)
+    force, moment, off_f, off_m, total = w.largest[0], w.largest[1], 0.0, 0.0, 0.0
+    for lane in range(LANES):
+        force, moment = max(force, w.most[lane]), max(moment, w.most[LANES + lane])
+        off_f, off_m = max(off_f, w.most[2 * LANES + lane]), max(off_m, w.most[3 * LANES + lane])
+        total += w.most[4 * LANES + lane]
+    for a in range(w.res.shape[0]):
+        for i in range(6):
+            if not w.fixed[a, i]:
+                off = abs(w.res[a, i])
+                total += off
+                if i < 3:
+                    off_f = max(off_f, off)
+                else:
+                    off_m = max(off_m, off)
+    if not abs(total) < 1e300:
+        return 1e300
+    return max(off_f / max(options[0] * force, options[1]), off_m / max(options[0] * moment, options[2]))
+
+
+@inner
+def _ends(s, first, w, own):
+    """Residuals of the ends of the parts into the lanes: their own shares for a right-hand side, or all of it."""
+    last = s.elements * s.stride * SIX
+    for lane in range(s.lanes):
+        for i in range(6):
+            s.res[i * LANES + lane] = w.res[first + lane, i] if own or lane + first == 0 else 0.0
+            s.res[last + i * LANES + lane] = w.res[first + lane + 1, i]
+
+
+@inner
+def _iterate(code, main, rest, g, w, options):
+    """Newton's iteration; the number of increments, or 0 when the general solver has to take the step."""
+    length, limit, allowed = options[3], options[4], int(options[5])
+    frozen = again = False
+    before = 0.0
+    for iteration in range(1, allowed + 1):
+        if again:
+            _ends(main, 0, w, False)
+            _ends(rest, main.lanes, w, False)
+            _again(code, main)
+            _again(code, rest)
+        else:
+            _tangent(code, main, g, frozen)
+            if rest.lanes:
+                _tangent(code, rest, g, frozen)
+        moved, turned, finite = _solve(code, main, rest, w, frozen, again)
+        if not finite:
+            return 0
+        w.scale[0] = 1.0 if turned <= limit else limit / turned
+        _move(code, main, w.scale)
+        _move(code, rest, w.scale)
+        if frozen or turned > LARGE_TURN:
+            frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
+            continue
+        size = max(moved / length, turned)
+        # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
+        rate = size / before if before > 0.0 else 1.0
+        if not again:
+            rate *= rate
+        settled = not again or size * rate <= SETTLED
+        small = moved <= 1e-9 * length and turned <= 1e-9
+        again = small or (rate < 0.1 and size * rate ** (REUSES + 1) <= SETTLED)
+        before = size
+        if again:
+            worst = _imbalance(code, main, rest, g, w, options)
+            if small and settled and worst <= 1.0:
+                return iteration
+            if not worst < 1e300:
+                return 0
+    return 0
+
+
+@inner
+def _keep(s, back):
+    """Positions at the start of the step, or back to where it began."""
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+        for k in range(3 * LANES):
+            if back:
+                s.x[node * X + k] = s.start[node * 3 * LANES + k]
+                s.x[node * X + 12 * LANES + k] = 0.0
+            else:
+                s.start[node * 3 * LANES + k] = s.x[node * X + k]
+        for k in range(9 * LANES if back else 0):
+            s.x[node * X + 3 * LANES + k] = s.x[node * X + 15 * LANES + k]
+
+
+@inner
+def _close(code, s, g, w):
+    """Books of the step, and x1 becomes x0."""
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+        call_lanes(
+            code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
+            (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
+        )  # fmt: skip
+    w.books[:] = 0.0
+    for e in range(s.elements if s.lanes else 0):
+        call_lanes(
+            code[AUDIT],
+            (s.x, s.p, w.books, s.turn, w.loss),
+            (e * s.stride * X, e * s.parameters * LANES, 0, e * LANES, 0),
+        )
+
+
+@compiled
+def run(code, main, rest, g, w, options, results):
+    """Take steps, one a row of ``results`` (steps, 18), as long as they converge; how many did.
+
+    A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
+    orthonormality, Σ |support force|². When a step does not converge the state is that at its start.
+    """
+    for k in range(results.shape[0]):
+        _keep(main, False)
+        _keep(rest, False)
+        iterations = _iterate(code, main, rest, g, w, options)
+        if iterations == 0:
+            _keep(main, True)
+            _keep(rest, True)
+            return k
+        _ends(main, 0, w, True)
+        _ends(rest, main.lanes, w, True)
+        row = results[k]
+        row[:] = 0.0
+        row[ITERATIONS] = iterations
+        w.sums[:] = 0.0
+        w.loss[:] = 0.0
+        for part in range(2):
+            s = main if part == 0 else rest
+            _close(code, s, g, w)
+            for lane in range(s.lanes):
+                for c in range(8):
+                    row[BOOKS + c] += w.books[c * LANES + lane]
+        for lane in range(LANES):
+            for c in range(7):
+                row[WORK + c] += w.sums[c * LANES + lane]
+            row[HELD] += w.sums[7 * LANES + lane]
+            row[LOSS] = max(row[LOSS], w.loss[lane])
+    return results.shape[0]
+
+
+@compiled
+def pack(lanes, nodes, frames, x):
+    """State rows of ``nodes`` (many, LANES) into lanes; the columns of rotations become those of R times the frame."""
+    for i in range(nodes.shape[0]):
+        for lane in range(LANES):
+            node = nodes[i, lane]
+            for part in range(0, 36, 12):
+                for k in range(3):
+                    lanes[(NODE * i + part + k) * LANES + lane] = x[node, part + k]
+                    for column in range(3):
+                        s = 0.0
+                        for c in range(3):
+                            s += x[node, part + 3 + 3 * c + k] * frames[node, c, column]
+                        lanes[(NODE * i + part + 3 + 3 * column + k) * LANES + lane] = s
+
+
+@compiled
+def unpack(lanes, nodes, frames, x):
+    """The way back from :func:`pack`, for the lanes that ``nodes`` has."""
+    for i in range(nodes.shape[0]):
+        for lane in range(nodes.shape[1]):
+            node = nodes[i, lane]
+            for part in range(0, 36, 12):
+                for k in range(3):
+                    x[node, part + k] = lanes[(NODE * i + part + k) * LANES + lane]
+                    for column in range(3):
+                        s = 0.0
+                        for c in range(3):
+                            s += lanes[(NODE * i + part + 3 + 3 * c + k) * LANES + lane] * frames[node, column, c]
+                        x[node, part + 3 + 3 * column + k] = s

@@ -1,0 +1,124 @@
+"""Frames: struts eliminated to the junctions they join, the junctions by SuperLU."""
+# pyright: reportUnknownMemberType=false
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.kernels import struts as kernel
+from directrix.linear.sparse import BlockSparse
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+__all__ = ["Condensed"]
+
+
+class Condensed:
+    """As :class:`BlockSparse`, for patterns in which many rows have just two neighbours.
+
+    Those rows are eliminated along their struts, so that SuperLU sees the junctions alone. A system whose rows cannot
+    be eliminated so, or whose solution does not satisfy it, goes to :class:`BlockSparse` as it is, and so do all later
+    ones.
+
+    Parameters
+    ----------
+    rowptr, column
+        As for :class:`BlockSparse`.
+    """
+
+    def __init__(self, rowptr: Ints, column: Ints) -> None:
+        self.rowptr, self.column = rowptr, column
+        n = len(rowptr) - 1
+        place: list[dict[int, int]] = [
+            {int(column[k]): int(k) for k in range(rowptr[i], rowptr[i + 1]) if 0 <= column[k] < n} for i in range(n)
+        ]
+        chains, junctions = _struts([[j for j in row if j != i] for i, row in enumerate(place)])
+        self.junctions = np.array(junctions, np.int64)
+        index = {row: k for k, row in enumerate(junctions)}
+        self.usable = bool(chains) and bool(junctions)
+        if not self.usable:
+            return
+        near: list[set[int]] = [{k, *(index[j] for j in place[row] if j in index)} for k, row in enumerate(junctions)]
+        for chain in chains:
+            a, b = index[chain[0]], index[chain[-1]]
+            near[a].add(b)
+            near[b].add(a)
+        self.small_ptr: Ints = np.cumsum([0, *(len(row) for row in near)])
+        small_column = [j for row in near for j in sorted(row)]
+        at = [{j: int(self.small_ptr[k]) + q for q, j in enumerate(sorted(row))} for k, row in enumerate(near)]
+        direct = [
+            (at[k][index[j]], there) for k, row in enumerate(junctions) for j, there in place[row].items() if j in index
+        ]
+        self.direct: Ints = np.array(direct, np.int64).reshape(-1, 2)
+        self.strut: Ints = np.cumsum([0, *(len(chain) - 2 for chain in chains)])
+        inner = [(a, i, b) for chain in chains for a, i, b in zip(chain, chain[1:], chain[2:], strict=False)]
+        self.rows = np.array([i for _, i, _ in inner], np.int64)
+        self.own = np.array([place[i][i] for _, i, _ in inner], np.int64)
+        self.before = np.array([(place[i][a], place[a][i]) for a, i, _ in inner], np.int64)
+        self.after = np.array([(place[i][b], place[b][i]) for _, i, b in inner], np.int64)
+        ends = [(index[chain[0]], index[chain[-1]]) for chain in chains]
+        self.joints = np.array(ends, np.int64)
+        self.ends = np.array([(chain[0], chain[-1]) for chain in chains], np.int64)
+        self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64)
+        self.kept = np.zeros((len(inner), 6, 13))
+        self.small = BlockSparse(self.small_ptr, np.array(small_column, np.int64))
+
+    @cached_property
+    def plain(self) -> BlockSparse:
+        """The solver for the whole pattern, made when it is needed."""
+        return BlockSparse(self.rowptr, self.column)
+
+    def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
+        """See :meth:`BlockSparse.solve`."""
+        if self.usable and rhs.ndim == 2 and not at_limit:
+            x = self._condensed(blocks, rhs)
+            if x is not None:
+                return x
+            self.usable = False
+        return self.plain.solve(blocks, rhs, at_limit=at_limit)
+
+    def _condensed(self, blocks: Array, rhs: Array) -> Array | None:
+        small = np.zeros((int(self.small_ptr[-1]) + 1, 6, 6))
+        small[self.direct[:, 0]] = blocks[self.direct[:, 1]]
+        small_rhs = rhs[self.junctions].copy()
+        if not kernel.reduce(
+            self.strut, self.rows, self.own, self.before, self.after, self.joints, self.dest, blocks, rhs, small,
+            small_rhs, self.kept,
+        ):  # fmt: skip
+            return None
+        at_junctions = self.small.solve(small, small_rhs)
+        if at_junctions is None:
+            return None
+        x = np.zeros_like(rhs)
+        x[self.junctions] = at_junctions
+        kernel.back(self.strut, self.rows, self.ends, self.kept, x)
+        good = kernel.off(self.rowptr, self.column, blocks, rhs, x) <= 1e-16 * float(np.sum(rhs * rhs))
+        return x if good else None
+
+
+def _struts(near: list[list[int]]) -> tuple[list[list[int]], list[int]]:
+    """Struts as rows from junction to junction, and the junctions: rows with other than two neighbours, and one of
+    every ring that has none."""
+    inner = [len(row) == 2 for row in near]
+    seen = [not flag for flag in inner]
+
+    def walk(before: int, row: int) -> list[int]:
+        path = [before]
+        while inner[row] and not seen[row]:
+            seen[row] = True
+            path.append(row)
+            before, row = row, next(j for j in near[row] if j != before)
+        return [*path, row]
+
+    chains: list[list[int]] = []
+    for start in [i for i, flag in enumerate(inner) if not flag]:
+        chains += [walk(start, j) for j in near[start] if not seen[j]]
+    for start, done in enumerate(seen):
+        if not done:  # a ring
+            inner[start], seen[start] = False, True
+            chains += [walk(start, j) for j in near[start] if not seen[j]]
+    return chains, [i for i, flag in enumerate(inner) if not flag]

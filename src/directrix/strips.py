@@ -1,0 +1,279 @@
+"""The fast way through a motion: chains of equal elements, solved in SIMD lanes, many steps a call.
+
+What it computes is what :mod:`directrix.newton` computes, up to rounding; which models qualify says :func:`strips_for`.
+Everything else, and every step that does not converge here, takes the general way.
+"""
+# pyright: reportUnknownMemberType=false
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.discretisation import Discretisation
+from directrix.formulations.directors import DirectorStep
+from directrix.groups import Group
+from directrix.kernels import rows
+from directrix.kernels import strips as kernel
+from directrix.kernels.compile import LANES
+from directrix.kernels.elimination import elimination_address
+from directrix.kernels.lanes import lane_address
+from directrix.scheme import Rates, Scheme
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+__all__ = ["Strips", "strips_for"]
+
+ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
+
+
+class Strip(NamedTuple):
+    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element.
+
+    See :mod:`directrix.kernels.strips`."""
+
+    elements: int
+    lanes: int
+    stride: int
+    parameters: int
+    x: Array
+    p: Array
+    load: Array
+    first_load: Array
+    free: Array
+    first_free: Array
+    still: Array
+    held: NDArray[np.uint8]
+    own: Array
+    row: Array
+    within: Array
+    out: Array
+    small: Array
+    carry: Array
+    res: Array
+    f: Array
+    du: Array
+    start: Array
+    turn: Array
+
+
+class Joints(NamedTuple):
+    """The nodes where parts meet, and what all parts share."""
+
+    eliminate: int
+    blocks: Array
+    rhs: Array
+    du: Array
+    factors: Array
+    fixed: NDArray[np.uint8]
+    load: Array
+    res: Array
+    size: Array
+    most: Array
+    largest: Array
+    scale: Array
+    sums: Array
+    books: Array
+    loss: Array
+
+
+class Part(NamedTuple):
+    """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES), ``members`` (elements, LANES)."""
+
+    strip: Strip
+    nodes: Ints
+    members: Ints
+
+
+def _chain(disc: Discretisation) -> Ints | None:
+    """The elements of the only group in the order of the chain, all pointing one way; None when there is no such."""
+    if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names:
+        return None
+    ends = disc.pattern.row[disc.groups[0].conn[:, [0, -1]]]
+    steps = ends[:, 1] - ends[:, 0]
+    if np.all(steps == 1):
+        return np.argsort(ends[:, 0])
+    return np.argsort(-ends[:, 0]) if np.all(steps == -1) else None
+
+
+def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
+    """The fast way for a model, or None.
+
+    It takes one chain of linear or quadratic elements of one kind that all point one way, a midpoint step without
+    damping, supports that stay and loads that keep their direction."""
+    order = _chain(disc)
+    if (
+        order is None
+        or scheme.rates is not Rates.MIDPOINT
+        or damped
+        or disc.prescribed
+        or disc.drives
+        or disc.near is not None
+    ):
+        return None
+    group = disc.groups[0]
+    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < 2 * LANES:
+        return None
+    if any(load.first >= 6 for load in disc.loads):
+        return None
+    return Strips(disc, scheme, group, order, options)
+
+
+def _frames(group: Group, nodes: int) -> Array:
+    """(nodes, 3, 3) reference directors of the nodes as columns where all elements at a node agree, else the identity
+    everywhere."""
+    nn = group.layout.nn
+    directors = group.parameters[:, : 9 * nn].reshape(-1, nn, 3, 3).transpose(0, 1, 3, 2)
+    out = np.zeros((nodes, 3, 3))
+    out[group.conn] = directors
+    if np.abs(out[group.conn] - directors).max() > ALIGNED:
+        out[:] = np.eye(3)
+    return out
+
+
+class Strips:
+    """A chain in lanes: its state is packed, taken through steps and unpacked."""
+
+    def __init__(self, disc: Discretisation, scheme: Scheme, group: Group, order: Ints, options: Array) -> None:
+        self.frames = _frames(group, disc.nodes)
+        aligned = not np.array_equal(self.frames, np.broadcast_to(np.eye(3), self.frames.shape))
+        self.code = _code(group, aligned)
+        conn = group.conn[order]
+        chain = np.append(conn[:, :-1].ravel(), conn[-1, -1])
+        stride = group.layout.nn - 1
+        length = len(order) // LANES
+        left = len(order) - length * LANES
+        first = length * np.arange(LANES)
+        more = length * LANES + np.minimum(np.arange(LANES), max(left - 1, 0)) - (0 if left else 1)
+        p = group.parameters[order][:, 9 * group.layout.nn if aligned else 0 :]
+        self.fixed = disc.fixed
+        self.parts = [
+            _part(chain, order, stride, p, begin, many, lanes, disc.fixed)
+            for begin, many, lanes in ((first, length, LANES), (more, 1, left))
+        ]
+        self.joints = chain[::stride][np.append(first, np.arange(length * LANES, len(order) + 1))]
+        self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
+        self.g = np.array(scheme.common)
+        self.options = np.array([*options[:6], options[7]])
+        self.many = max(1, min(256, 100_000 // len(order)))
+
+    def set_load(self, external: Array) -> None:
+        """The loads (n, 12) that act in the next steps."""
+        dead = np.ascontiguousarray(external[:, :6])
+        for part in self.parts:
+            strip = part.strip
+            strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
+            strip.first_load[6 * LANES :] = strip.load[6 * LANES : strip.first_load.size]
+        self.work.load[:] = dead[self.joints]
+        self.work.largest[:] = np.abs(dead[:, :3]).max(), np.abs(dead[:, 3:]).max()
+
+    def pack(self, x: Array) -> None:
+        """Take over a state (≥ n, 40)."""
+        for part in self.parts:
+            kernel.pack(part.strip.x, part.nodes, self.frames, x)
+
+    def unpack(self, x: Array) -> None:
+        """Write the state into ``x`` (≥ n, 40)."""
+        for part in reversed(self.parts):
+            kernel.unpack(part.strip.x, part.nodes[:, : part.strip.lanes], self.frames, x)
+
+    def shift(self, by: Array) -> None:
+        """Move all positions by −``by`` (3,)."""
+        for part in self.parts:
+            part.strip.x.reshape(-1, rows.NODE, LANES)[:, :3] -= by[:, None]
+
+    def run(self, results: Array) -> None:
+        """Take a step for every row of ``results``, or as many as converge; see :func:`kernels.strips.run`."""
+        main, rest = (part.strip for part in self.parts)
+        kernel.run(self.code, main, rest, self.g, self.work, self.options, results)
+
+    def reaction(self, out: Array) -> Array:
+        """The support forces of the last step (n, 6)."""
+        out[:] = 0.0
+        for part in self.parts:
+            res = part.strip.res.reshape(-1, 6, LANES).transpose(0, 2, 1)[:, : part.strip.lanes]
+            out[part.nodes[:, : part.strip.lanes]] = -res
+        out[~self.fixed] = 0.0
+        return out
+
+    def first_position(self) -> Array:
+        """Position (3,) of the first node of the chain."""
+        return self.parts[0].strip.x.reshape(-1, rows.NODE, LANES)[0, :3, 0]
+
+    def largest_turn(self) -> tuple[float, int]:
+        """The least Σ d_i·d_i between the nodes of an element in all steps so far, and the element."""
+        worst, where = 3.0, 0
+        for part in self.parts:
+            turn = -part.strip.turn.reshape(-1, LANES)[:, : part.strip.lanes]
+            if turn.size and turn.min() < worst:
+                worst, where = float(turn.min()), int(part.members[:, : part.strip.lanes].ravel()[turn.argmin()])
+        return worst, where
+
+
+def _part(
+    chain: Ints, order: Ints, stride: int, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
+) -> Part:
+    at = stride * first + np.arange(stride * many + 1)[:, None]
+    nodes, members = chain[at], first + np.arange(many)[:, None]
+    free: Array = np.where(fixed[nodes], 0.0, 1.0).transpose(0, 2, 1)  # (nodes, 6, LANES)
+    still = free.copy()
+    still[:, 3:] = 0.0
+    own = np.zeros((len(nodes), LANES))
+    own[:-1, :lanes] = 1.0
+    if lanes:
+        own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
+    first_free = free[:stride].copy()
+    first_free[0] = 0.0
+
+    def lane(values: int, count: int = 1) -> Array:
+        return np.zeros(count * values * LANES)
+
+    nn = stride + 1
+    out = lane(6 * nn + 36 * nn * nn)
+    strip = Strip(
+        many, lanes, stride, p.shape[1],
+        x=lane(rows.NODE, len(nodes)), p=p[members].transpose(0, 2, 1).ravel(), load=lane(6, len(nodes)),
+        first_load=lane(6, stride), free=free.ravel(), first_free=first_free.ravel(), still=still.ravel(),
+        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
+        within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
+        carry=lane(rows.CARRY), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)), start=lane(3, len(nodes)),
+        turn=np.full(many * LANES, -3.0),
+    )  # fmt: skip
+    return Part(strip, nodes, order[members])
+
+
+def _joints(fixed: NDArray[np.uint8]) -> Joints:
+    n = len(fixed)
+    return Joints(
+        elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
+        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(2), np.zeros(1),
+        np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
+    )  # fmt: skip
+
+
+def _code(group: Group, aligned: bool) -> Ints:
+    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strips`."""
+    element, layout = group.element, group.layout
+    about = f"{layout} {element} {aligned}"
+    return np.array(
+        [
+            lane_address(f"step {about}", lambda: rows.step(element, layout, aligned, tangent=True)),
+            lane_address(f"residual {about}", lambda: rows.step(element, layout, aligned, tangent=False)),
+            lane_address(f"audit {about}", lambda: rows.audit(element, layout, aligned)),
+            lane_address("eliminate", lambda: rows.eliminate(masked=False)),
+            lane_address("hold", lambda: rows.eliminate(masked=True)),
+            lane_address("forward", rows.forward),
+            lane_address("backward", rows.backward),
+            lane_address("measure", rows.measure),
+            lane_address("move", rows.move),
+            lane_address(f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
+            lane_address("finish", rows.finish),
+            lane_address("condense", lambda: rows.condense(masked=False)) if layout.nn > 2 else 0,
+            lane_address("condense hold", lambda: rows.condense(masked=True)) if layout.nn > 2 else 0,
+            lane_address("inside", rows.inside) if layout.nn > 2 else 0,
+        ],
+        np.int64,
+    )

@@ -1,0 +1,123 @@
+"""The fast way through a motion computes what the general way computes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import directrix as dx
+from directrix import dynamics
+from directrix.discretisation import discretise
+from directrix.newton import Newton, Settings
+from directrix.strips import strips_for
+
+RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
+LINE = dx.line((0, 0, 0), (1, 0, 0))
+CHORDS = dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0), directors="chord")
+
+
+def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1) -> dx.Model:
+    return dx.Model().rod(curve, RUBBER, name="rod", ends=("A", "B"), elements=elements, order=order)
+
+
+def flight(elements: int) -> dx.Model:
+    return rod(elements=elements).velocity("A", (0, 0, -1)).velocity("B", (0, 0.5, 1), (3, 0, 1))
+
+
+def corner() -> dx.Model:
+    model = rod(elements=9).rod(dx.line((1, 0, 0), (1, 1, 0)), RUBBER, ends=("B", "C"), elements=8, order=1)
+    return model.clamp("A").gravity((0, 0, -9.81)).moment("C", (0, 0.02, 0.01))
+
+
+CASES = {
+    "flight, five lanes long and one left over": flight(21),
+    "nothing left over": flight(24),
+    "swing": rod().pin("A").gravity((0, 0, -9.81)),
+    "held inside": rod(elements=20).pin("A").clamp("B").force("A", (1, 0, 0)).gravity((0, -9.81, 0)),
+    "directors along chords": rod(CHORDS).pin("A").gravity((0, 0, -9)),
+    "a corner": corner(),
+    "quadratic": rod(elements=9, order=2).pin("A").gravity((0, -2, -9.81)).moment("B", (0, 0.02, 0.01)),
+    "quadratic and bent": rod(dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0)), 8, 2).velocity("A", (0, 0, -1)),
+    "a load that changes": rod().clamp("A").force("B", lambda t: (0.0, 0.0, 5.0 * np.sin(9 * t))),
+    "against the chain": dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), RUBBER, ends=("B", "A"), elements=9, order=1)
+    .rod(dx.line((-1, 0, 0), (0, 0, 0)), RUBBER, ends=("C", "B"), elements=9, order=1).pin("C").gravity((0, 0, -9)),
+}  # fmt: skip
+
+
+def both(model: dx.Model, monkeypatch: pytest.MonkeyPatch, **options: object) -> tuple[dx.Result, dx.Result]:
+    fast = dx.simulate(model, **options)
+    with monkeypatch.context() as patched:
+        patched.setattr(dynamics, "fast_for", lambda newton: None)
+        return fast, dx.simulate(model, **options)
+
+
+def qualifies(model: dx.Model, integrator: dx.Integrator | None = None) -> bool:
+    scheme = (integrator or dx.EnergyMomentum()).scheme(0.01)
+    disc = discretise(model, scheme)
+    newton = Newton(disc, scheme, Settings())
+    return strips_for(disc, scheme, newton.tables.damping.size > 0, newton.options) is not None
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = CASES[name]
+    assert qualifies(model)
+    fast, slow = both(model, monkeypatch, t_end=0.3, dt=0.01, save_every=7)
+    assert fast.success and slow.success and fast.audit.passed
+    assert np.array_equal(fast.t, slow.t)
+    for quantity in ("r", "R", "v", "Rdot", "strain", "reaction"):
+        a, b = (np.asarray(getattr(run, quantity)) for run in (fast, slow))
+        assert np.abs(a - b).max() <= 2e-9 * max(1.0, np.abs(b).max()), quantity
+    for quantity in ("kinetic", "stored", "work"):
+        a, b = (getattr(run.energy, quantity) for run in (fast, slow))
+        assert np.abs(a - b).max() <= 1e-11 * np.abs(slow.energy.total).max() + 1e-12, quantity
+    for quantity in ("linear", "angular"):
+        a, b = (getattr(run.momentum, quantity) for run in (fast, slow))
+        assert np.abs(a - b).max() <= 1e-11 * max(1.0, np.abs(b).max()), quantity
+    assert fast.audit.largest_turn == pytest.approx(slow.audit.largest_turn, rel=1e-9)
+    assert fast.audit.largest_turn_where == slow.audit.largest_turn_where
+    assert fast.audit.director_loss == pytest.approx(slow.audit.director_loss, rel=1e-6)
+    for a, b in zip(fast.audit.entries, slow.audit.entries, strict=True):
+        assert a.law == b.law and a.value <= 1e-12
+        assert float(a.relative_to) == pytest.approx(float(b.relative_to), rel=1e-5)
+    # an elimination that is a little wrong would still converge, but slowly
+    assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
+
+
+def test_energy_and_momenta_hold_over_a_long_flight() -> None:
+    away = flight(21).rigid_velocity((2.0, 0.0, 0.5), (0, 0, 0), about=(0, 0, 0))
+    result = dx.simulate(away, t_end=20.0, dt=0.01, save_every=500)
+    assert result.success
+    assert all(entry.value <= 1e-11 for entry in result.audit.entries)
+    assert result.r[-1, :, 0].min() > 35.0  # the origin has gone along
+
+
+def test_a_step_that_does_not_converge_takes_the_general_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    # a blow in the middle of a chunk: the step fails in lanes and outside
+    hit = rod().moment("B", lambda t: (0.0, 1e7 if t > 0.045 else 0.0, 0.0))
+    fast, slow = both(hit, monkeypatch, t_end=0.1, dt=0.01)
+    assert not fast.success and not slow.success
+    assert fast.status.code == slow.status.code and fast.t[-1] == slow.t[-1]
+    assert np.abs(fast.r[-1] - slow.r[-1]).max() < 1e-9
+
+
+def test_what_it_cannot_do_is_left_to_the_general_way() -> None:
+    assert not qualifies(rod().force("B", (0, 0, 1), follower=True))
+    assert not qualifies(rod().prescribe("A", displacement=lambda t: (0, 0, t)))
+    assert not qualifies(rod(elements=3))
+    assert not qualifies(rod(order=3))
+    assert not qualifies(rod(), dx.GeneralizedAlpha(0.8))
+    assert not qualifies(rod(), dx.EnergyDissipating(0.5))
+
+
+def test_an_interrupted_run_keeps_its_last_state() -> None:
+    class Stop(KeyboardInterrupt):
+        pass
+
+    def stop(fraction: float, line: str) -> None:
+        if fraction > 0.5:
+            raise Stop
+
+    result = dx.simulate(flight(21), t_end=0.2, dt=0.01, save_every=1000, progress=stop)
+    assert result.status.code == "interrupted"
+    assert result.t[-1] == pytest.approx(0.11) and len(result.iterations) == 11
