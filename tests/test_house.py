@@ -66,7 +66,7 @@ def test_what_the_papers_name_exists(paper: Path) -> None:
 
 def test_the_page_on_case_files_is_right(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "input.md").read_text("utf-8")
-    (case,) = blocks("toml", page)
+    case, *_ = blocks("toml", page)
     file = tmp_path / "case.toml"
     file.write_text(case, "utf-8")
     assert load_case(file).run().success

@@ -129,8 +129,8 @@ class DynamicBooks:
     def add(self, books: Books) -> None:
         """Book one step."""
         # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
-        force = max(np.linalg.norm(part) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
-        moment = max(np.linalg.norm(part) for part in (books.flow[5:8], books.ground[3:]))
+        force = max(float(np.linalg.norm(part)) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
+        moment = max(float(np.linalg.norm(part)) for part in (books.flow[5:8], books.ground[3:]))
         self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]))
         if self.taken.size:
             self.taken += books.taken
@@ -140,8 +140,8 @@ class DynamicBooks:
         self.turn.add(books.totals)
 
     def add_steps(self, totals: Array, flow: Array, acting: Array) -> None:
-        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in :class:`Books`,
-        ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
+        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in
+        :class:`Books`, ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """

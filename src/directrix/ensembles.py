@@ -145,7 +145,8 @@ def ensemble(
 
 
 def _labelled(members: Sequence[Any] | Mapping[Hashable, Any], build: Build | None) -> list[tuple[Hashable, Any]]:
-    given: object = members
+    given = cast("object", members)
+    pairs: list[tuple[Hashable, Any]]
     if isinstance(given, Mapping):
         pairs = list(cast("Mapping[Hashable, Any]", given).items())
     elif isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):

@@ -242,8 +242,8 @@ def residual(nn: int) -> Code:
 def finish() -> Code:
     """Books of a node and x1 as the next x0, as ``step.finish`` does it for ẋ1 = (2/Δt)(x1 − x0) − ẋ0.
 
-    ``sums``: work of the loads, Σ force (3), Σ moment about the origin (3) at x½, Σ |support force|²; ``own`` is 1 or 0: nodes that are in
-    two lanes count once.
+    ``sums``: work of the loads, Σ force (3), Σ moment about the origin (3) at x½, Σ |support force|²; ``own`` is 1 or 0:
+    nodes that are in two lanes count once.
     """
     graph = Graph()
     x, load, res, free = (graph.inputs(n, k) for n, k in (("x", NODE), ("load", 6), ("res", 6), ("free", 6)))
