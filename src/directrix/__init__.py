@@ -5,12 +5,15 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import laws
+    from directrix.branching import branches
     from directrix.contacts import Cylinder, Plane, Sphere
+    from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
     from directrix.curves import arc, helix, line, polyline, spline
     from directrix.dynamics import simulate
     from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
+    from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.functions import harmonic, ramp, table
     from directrix.integrators import (
@@ -61,8 +64,11 @@ __all__ = [
     "Status",
     "TurningPoint",
     "arc",
+    "branches",
     "buckling",
+    "continuation",
     "ensemble",
+    "form_find",
     "harmonic",
     "helix",
     "laws",
@@ -79,12 +85,15 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "branching": ("branches",),
+    "continuation": ("continuation",),
     "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
     "curves": ("arc", "helix", "line", "polyline", "spline"),
     "dynamics": ("simulate",),
     "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
+    "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
     "functions": ("harmonic", "ramp", "table"),
     "integrators": (

@@ -291,6 +291,11 @@ def report(result: Result) -> str:
             f"  largest turn in an element {np.degrees(audit.largest_turn):.1f}° ({audit.largest_turn_where}), "
             f"directors off orthonormal by {audit.director_loss:.1e}"
         )
-    lines += [f"  {point}" for point in result.turning_points]
+    if result.stability is None:
+        lines += [f"  {point}" for point in result.turning_points]
+    else:
+        stable = result.stability.stable
+        lines.append(f"  stable: {int(stable.sum())} of {len(stable)} saved states")
+        lines += [f"  {point}" for point in result.stability.points]
     lines += [f"  note: {note}" for note in audit.notes]
     return "\n".join(lines)

@@ -17,7 +17,6 @@ from directrix.kernels.chain import solve_chain
 from directrix.newton import Newton
 from directrix.result import Status, turn_length
 from directrix.rotations import axial, exp
-from directrix.state import place_supports
 
 Array = NDArray[np.float64]
 Row = Callable[[Array], tuple[Array, float]]
@@ -71,8 +70,8 @@ class Bordered:
         pattern = self.disc.pattern
         self.held = self.disc.held[pattern.node_of_row]  # (rows, 6)
 
-    def correct(self, x: Array, factor: float, row: Row) -> Corrected:
-        """Move x1 and the load factor until they balance and lie in the row's plane."""
+    def correct(self, x: Array, factor: float, row: Row | None) -> Corrected:
+        """Move x1 and the load factor until they balance and lie in the row's plane; without one the factor stays."""
         newton, work = self.newton, self.newton.work
         n = self.disc.nodes
         tolerance, floor, size = newton.options[0], newton.options[1:3], newton.options[3]
@@ -82,26 +81,26 @@ class Bordered:
             if isinstance(found, Status):
                 return Corrected(factor, count, found)
             out_of_balance, per_factor = found
-            c, gap = row(x)
-            closing = float(np.sum(c * per_factor[:n]))
-            if not abs(closing) > BLIND * np.linalg.norm(c) * np.linalg.norm(per_factor[:n]):
-                return Corrected(factor, count, self._blind())
-            rise = -(gap + float(np.sum(c * out_of_balance[:n]))) / closing
-            moved, turned, bad = kernel.move(
-                out_of_balance + rise * per_factor, self.disc.nodes, x, False, cayley, limit
-            )
+            rise = 0.0
+            if row is not None:
+                c, gap = row(x)
+                closing = float(np.sum(c * per_factor[:n]))
+                if not abs(closing) > BLIND * np.linalg.norm(c) * np.linalg.norm(per_factor[:n]):
+                    return Corrected(factor, count, self._blind())
+                rise = -(gap + float(np.sum(c * out_of_balance[:n]))) / closing
+            moved, turned, bad = kernel.move(out_of_balance + rise * per_factor, n, x, False, cayley, limit)
             if bad >= 0 or not np.isfinite(rise):
                 return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, max(bad, 0)))
             factor += float(rise * min(1.0, limit / max(turned, 1e-300)))
-            place_supports(self.disc, x, factor)
+            newton.place(x, factor)
             if moved <= 1e-9 * size and turned <= 1e-9:
-                newton.applied(x, self.disc.external(factor, factor))
+                newton.applied(x, newton.loads(factor))
                 worst, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
                 if worst <= 1.0:
                     return Corrected(factor, count, None)
                 if not np.isfinite(worst):
                     return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, at))
-        newton.applied(x, self.disc.external(factor, factor))
+        newton.applied(x, newton.loads(factor))
         _, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
         return Corrected(factor, newton.settings.iterations, newton.verdict(kernel.LIMIT, at))
 
@@ -124,10 +123,11 @@ class Bordered:
         part of the load in the assembly.
         """
         newton, work = self.newton, self.newton.work
-        external = self.disc.external(factor, factor)
+        rate = self._load_rate(x, factor)
+        external = newton.loads(factor)
         # what drives elements need not enter linearly: a small step then, and the state itself last
         h = 1e-6 * max(1.0, abs(factor)) if self.disc.drives else 1.0
-        sides = (external, external + h * self._load_rate(factor))
+        sides = (external, external + h * rate)
         rhs, inside = np.empty((2, *work.rhs.shape)), np.empty((2, len(work.back)))
         for k in (1, 0):
             loads = sides[k]
@@ -165,9 +165,19 @@ class Bordered:
         solved = newton.sparse.solve(work.blocks, rhs, at_limit=at_limit)
         return self._singular(at) if solved is None else solved
 
-    def _load_rate(self, factor: float) -> Array:
-        """dF/dλ (n, 12): loads times the factor, and by differences those that are functions of it."""
-        disc = self.disc
+    def _load_rate(self, x: Array, factor: float) -> Array:
+        """dF/dλ (n, 12): loads times the factor, and by differences those that are functions of it.
+
+        Of a family of models, of all that is out of balance at a state that stays.
+        """
+        disc, newton = self.disc, self.newton
+        if newton.family is not None:
+            low, high = factor - (h := 1e-5 * max(1.0, abs(factor))), factor + h
+            out = np.zeros((disc.nodes, 12))
+            for p, sign in ((high, 1.0), (low, -1.0)):
+                applied = newton.applied(x, newton.loads(p))
+                out[:, :6] += sign / (high - low) * (applied - newton.work.internal)
+            return out
         rate = disc.external(factor, 1.0) - disc.external(factor, 0.0)
         if any(load.varies for load in disc.loads):
             low, high = _around(factor)
@@ -178,10 +188,15 @@ class Bordered:
         """Displacement and spin (rows, 6) of the supports for one load factor more."""
         rate = np.zeros(self.held.shape)
         low, high = _around(factor)
-        for node, displacement, rotation in self.disc.prescribed:
+        family, disc = self.newton.family, self.disc
+        if family is not None:
+            disc = family.at(factor)
+            moved = (family.at(high).mesh.r0 - family.at(low).mesh.r0) / (high - low)
+            rate[:, :3] = moved[disc.pattern.node_of_row]
+        for node, displacement, rotation in disc.prescribed:
             row = self.disc.pattern.row[node]
             if displacement is not None:
-                rate[row, :3] = (displacement(high) - displacement(low)) / (high - low)
+                rate[row, :3] += (displacement(high) - displacement(low)) / (high - low)
             if rotation is not None:
                 ahead, behind = exp(rotation(high)), exp(rotation(low))
                 rate[row, 3:] = axial((ahead - behind) @ exp(rotation(factor)).T) / (high - low)

@@ -65,6 +65,7 @@ class Picture(StrEnum):
     momentum = "momentum"
     history = "history"
     path = "path"
+    branches = "branches"
 
 
 class Quantity(StrEnum):
@@ -228,9 +229,9 @@ def info(result_file: ResultFile) -> None:
 def plot(
     result_file: ResultFile,
     what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
-    node: Annotated[str | None, typer.Option(help="history, path: the node.")] = None,
+    node: Annotated[str | None, typer.Option(help="history, path, branches: the node.")] = None,
     quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
-    component: Annotated[Component, typer.Option(help="path: which displacement of it.")] = Component.y,
+    component: Annotated[Component, typer.Option(help="path, branches: which displacement of it.")] = Component.y,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
 ) -> None:
     """Draw a picture of a result: the last shape, the motion, energy, momentum, a node's history or path under load."""
@@ -238,7 +239,7 @@ def plot(
 
     result, path = _load(result_file)
     options: dict[str, str] = {}
-    if what in (Picture.history, Picture.path):
+    if what in (Picture.history, Picture.path, Picture.branches):
         if node is None:
             raise ModelError(
                 f"a {what.value} is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,13 @@ class ArcLength:
     direction
         "forward": from the reference with a rising load factor, from ``start=`` onward along its last step;
         "backward": the other way.
+    load_step
+        Largest change of the load factor in a step, as the slope of the path foretells it; for paths along which next
+        to nothing moves, such as that of a straight column.
+    branch
+        Which bifurcation to leave the path at, counted from the start of the run: 1 takes the other path through the
+        first one to the side of its mode, −1 to the other side, 2 and −2 through the second. Several numbers, (1, −1):
+        the next count begins on the new path.
     """
 
     ds: float
@@ -92,6 +99,8 @@ class ArcLength:
     iterations: int = 5
     load_factors: tuple[float, ...] = ()
     direction: Literal["forward", "backward"] = "forward"
+    load_step: float | None = None
+    branch: int | tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         number(self.ds, "ds", above=0.0)
@@ -106,10 +115,18 @@ class ArcLength:
                 "give ds_min <= ds <= ds_max",
             )
         _set(self, "load_factors", _numbers(self.load_factors))
+        if self.load_step is not None:
+            number(self.load_step, "load_step", above=0.0)
+        _set(self, "branch", _turns(self.branch))
         _callable(self.until)
 
     def __repr__(self) -> str:
         return _shown(self)
+
+    @property
+    def turns(self) -> tuple[int, ...]:
+        """``branch`` as numbers."""
+        return cast("tuple[int, ...]", self.branch)
 
     @property
     def smallest(self) -> float:
@@ -184,6 +201,18 @@ def _numbers(values: Iterable[Any] | Any) -> tuple[float, ...]:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise ModelError(f"load_factors = {values!r} is not a list of numbers", "give e.g. (0.5, 1.0)")
     return tuple(number(v, "an entry of load_factors") for v in values)  # pyright: ignore[reportUnknownVariableType]
+
+
+def _turns(values: Any) -> tuple[int, ...]:
+    if not isinstance(values, (tuple, list)):
+        values = (values,)
+    for value in cast("tuple[Any, ...]", values):
+        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value == 0:
+            raise ModelError(
+                f"branch = {value!r} is no number of a bifurcation",
+                "give 1 or −1 for the two ways at the first one, 2 or −2 at the second, …",
+            )
+    return tuple(int(value) for value in cast("tuple[int, ...]", values))
 
 
 def _shown(control: ArcLength | DisplacementControl) -> str:

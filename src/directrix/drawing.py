@@ -175,6 +175,22 @@ def curves(result: Result, ax: Any) -> Any:
     return ax
 
 
+def branch(pen: Any, result: Result, values: Array, colour: str) -> None:
+    """Load factor over ``values`` (nt,): full where stable, dashed where not, critical points marked."""
+    of = result.stability
+    if of is None:
+        return
+    sure = of.stable | of.critical  # a critical point ends a piece of either kind
+    good = sure[:-1] & sure[1:] & (of.stable[:-1] | of.stable[1:])
+    ends = np.flatnonzero(np.diff(good)) + 1
+    for first, last in zip((0, *ends), (*ends, len(good)), strict=True):
+        style: dict[str, Any] = {"lw": 1.8} if len(good) and good[first] else {"lw": 1.4, "ls": (0, (4, 3))}
+        pen.plot(values[first : last + 1], result.load_factor[first : last + 1], color=colour, **style)
+    for point in of.points:
+        mark = "o" if point.bifurcation else "s"
+        pen.plot(values[point.index], point.load_factor, ls="", marker=mark, ms=5, mfc="white", color=colour)
+
+
 def finish(pen: Any, quantity: str, title: str, below: bool) -> Any:
     """Label, title and legend: below the axes where the layout is ours, else where it covers least."""
     pen.set_ylabel(quantity)

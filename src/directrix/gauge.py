@@ -31,6 +31,11 @@ class Along:
         """How much of the run is done."""
         return steps / self.most
 
+    def load_step(self, reach: float, slope: float) -> float:
+        """The change of the load factor to try next, 0 where the step along the path is the smaller one."""
+        most = self.control.load_step
+        return most if most is not None and abs(slope) * reach > most else 0.0
+
     def rate(self, tangent: Array) -> float:
         """How fast the measure grows along the unit tangent."""
         return 1.0
@@ -89,6 +94,9 @@ class Towards:
     @property
     def left(self) -> float:
         return self.whole - self.done if self.done < self.whole * (1.0 - 1e-12) else 0.0
+
+    def load_step(self, reach: float, slope: float) -> float:
+        return 0.0
 
     def rate(self, tangent: Array) -> float:
         return self.sense * float(tangent[self.place])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,10 @@ from directrix.kernels.tables import tables_for, work_for
 from directrix.linear.condensed import Condensed
 from directrix.result import Status
 from directrix.scheme import Scheme
+from directrix.state import place_all, place_supports
+
+if TYPE_CHECKING:
+    from directrix.family import Family
 
 Array = NDArray[np.float64]
 
@@ -92,9 +96,23 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.family: Family | None = None
         self.start: Array = np.zeros((0, 40))
         """The state that the last :meth:`solve` began with."""
         self.free = not disc.fixed.any() and not any(g.grounded for g in disc.groups)
+
+    def loads(self, factor: float) -> Array:
+        """Loads (n, 12) at a load factor; the parameters of the elements follow where they depend on it."""
+        if self.family is None:
+            return self.disc.external(factor, factor)
+        self.tables = self.tables._replace(par=self.family.parameters(factor))
+        return self.family.at(factor).external(factor)
+
+    def place(self, x: Array, factor: float) -> bool:
+        """Move supports to where they are at a load factor; True when anything moved."""
+        if self.family is None:
+            return place_supports(self.disc, x, factor)
+        return place_all(self.family.at(factor), x, factor)
 
     def _use(self, disc: Discretisation) -> None:
         """Tables and workspace for ``disc``."""

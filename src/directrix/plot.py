@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
@@ -167,6 +167,36 @@ class Plots:
         pen.set_ylabel(draw.clock(result))
         pen.set_title(draw.plain(result.name), fontsize=11)
         pen.margins(y=0.12)
+        return pen
+
+    def branches(
+        self, node: str | int, component: Component, others: Sequence[Result] = (), ax: Axes | None = None
+    ) -> Axes:
+        """Load factor over one displacement of one node, stable states full and unstable ones dashed.
+
+        ``others`` are further paths of the same model, such as ``dx.branches`` returns. Bifurcations are round, limit
+        points square. Raises ModelError for an unknown node or component, and for a result without stability.
+        """
+        choice(component, "component", COMPONENTS)
+        every = (self.result, *others)
+        for result in every:
+            if result.stability is None:
+                raise ModelError(
+                    f"{result.name}: nobody looked at the stability of this result",
+                    "follow the path with a control, or ask for stability=True",
+                )
+        pen = draw.curves(self.result, ax)
+        for k, result in enumerate(every):
+            colour = (draw.BLUE, draw.ORANGE, *OTHERS)[k % 5]
+            draw.branch(pen, result, result.node(node).displacement[:, COMPONENTS.index(component)], colour)
+        pen.plot([], [], color=draw.GREY, lw=1.8, label="stable")
+        pen.plot([], [], color=draw.GREY, lw=1.4, ls=(0, (4, 3)), label="unstable")
+        pen.legend(frameon=False, loc="best")
+        label = draw.plain(self.result.mesh.label(self.result.mesh.node(node)))
+        pen.set_xlabel(f"$u_{component}$ of {label}")
+        pen.set_ylabel(draw.clock(self.result))
+        pen.set_title(draw.plain(self.result.name), fontsize=11)
+        pen.margins(y=0.08)
         return pen
 
 

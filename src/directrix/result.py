@@ -16,6 +16,7 @@ from directrix.errors import ModelError
 
 if TYPE_CHECKING:
     from directrix.audit import Audit
+    from directrix.critical import PathStability
     from directrix.plot import Plots
 
 Array = NDArray[np.float64]
@@ -284,6 +285,7 @@ class Result:
     history : (nt, rows, 12) multipliers and coordinates of joints, one row each, then what a formulation or a scheme
         carries beside the nodes, to go on with ``start=``; no rows for most
     turning_points : limit points of a path that was followed, in the order of the path
+    stability : negative pivots of the saved states and critical points of a path; None where nobody looked
     """
 
     kind: Literal["static", "dynamic"]
@@ -309,6 +311,7 @@ class Result:
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
     contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
+    stability: PathStability | None = None
 
     @cached_property
     def arc_length(self) -> Array:

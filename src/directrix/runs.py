@@ -144,6 +144,7 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
         "kind": result.kind,
         "info": {k: v if isinstance(v, (bool, int, float)) else str(v) for k, v in result.info.items()},
         "turning_points": [asdict(point) for point in result.turning_points],
+        "stability": _stability(result),
         "steps": {
             "taken": int(steps.size),
             "saved_instants": int(result.t.size),
@@ -184,6 +185,22 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
             "notes": list(audit.notes),
         },
     }
+
+
+def _stability(result: Result) -> Json:
+    """Negative pivots of the saved instants and the critical points, without their modes."""
+    if result.stability is None:
+        return None
+    return {
+        "negative_pivots": result.stability.negative.tolist(),
+        "critical_points": [
+            {
+                "kind": p.kind, "load_factor": p.load_factor, "arc_length": p.arc_length, "index": p.index,
+                "negative_before": p.before, "negative_after": p.after, "modes": len(p.modes),
+            }
+            for p in result.stability.points
+        ],
+    }  # fmt: skip
 
 
 def _monitor(path: Path, result: Result) -> Path:

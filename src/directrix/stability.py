@@ -4,57 +4,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, eigh
-from scipy.sparse import coo_matrix, csc_matrix
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
+from scipy.linalg import LinAlgError, eig, eigh
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh, splu
 
-from directrix.checks import whole
-from directrix.contact_groups import refuse_rod_contacts
+from directrix.checks import Vec, vector
 from directrix.diagnosis import at_start, refuse
-from directrix.discretisation import Discretisation, discretise
+from directrix.equilibrium import Linearised
 from directrix.errors import ModelError
-from directrix.formulations.director_acceleration import DirectorAcceleration
-from directrix.kernels import step as kernel
-from directrix.kernels.elements import element_tangents
-from directrix.kernels.tables import Tables, in_lanes
+from directrix.hessian import negative_pivots
+from directrix.modal import Modes
 from directrix.model import Model
-from directrix.newton import Newton, Settings
 from directrix.result import Mesh, Result
-from directrix.scheme import Rates, Scheme
-from directrix.state import initial_state
+from directrix.spinning import Spin
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Pair = tuple[Array, Array]
 SMALL = 300  # unknowns up to which matrices are treated as full
+ON_AXIS = 1e-9  # of a load: what of it may point away from the axis of a spin
 
 __all__ = ["BucklingLoads", "Modes", "buckling", "modes"]
-
-# the tangent of the element with accelerations is K + c_a M
-AT_REST = Scheme(DirectorAcceleration(), Rates.ALPHA, (0.0, 0.0, 1.0, 0.25, 0.5))
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Natural vibrations about an equilibrium, by rising ω².
-
-    ``frequencies`` (count,) in cycles per unit of time, 0 where ω² ≤ 0; ``squares`` (count,) = ω², negative where the
-    equilibrium is unstable; ``shapes`` (count, n, 6) displacement and spin of the nodes, with unit modal mass.
-    """
-
-    frequencies: Array
-    squares: Array
-    shapes: Array
-    mesh: Mesh
-
-    @property
-    def stable(self) -> bool:
-        """True when no ω² is negative beyond round-off."""
-        return bool(self.squares[0] > -1e-9 * np.abs(self.squares).max())
 
 
 @dataclass(frozen=True)
@@ -70,35 +45,100 @@ class BucklingLoads:
     mesh: Mesh
 
 
-def modes(model: Model, about: Result | None = None, count: int = 10) -> Modes:
+def modes(
+    model: Model, about: Result | None = None, count: int = 10, *, spin: Vec | None = None,
+    centre: Vec = (0.0, 0.0, 0.0),
+) -> Modes:  # fmt: skip
     """Natural frequencies and shapes about an equilibrium: K φ = ω² M φ with the consistent mass.
+
+    Where a section or a link is damped, or in a steady spin, (λ² M + λ (C + G) + K) φ = 0 in its place: C the damping,
+    G the gyroscopic terms, K with the centrifugal ones.
 
     Parameters
     ----------
     model
         Rods with mass, supports, what is attached. Dead loads do not enter but through the state.
     about
-        A static result whose last state is the equilibrium; the reference unless given.
+        A static result whose last state is the equilibrium; the reference unless given. In a spin the state to look for
+        the steady one from.
     count
         How many, from the lowest up; at most a third of the unknowns.
+    spin
+        Angular velocity of everything about an axis, supports included: the steady state is computed first, and
+        frequencies are those seen from the turning frame. Loads of the model act in full, along the axis alone.
+    centre
+        A point of that axis.
 
     Raises
     ------
     ModelError
-        Something cannot be right: a state in motion, loads that turn with their node, too many modes.
+        Something cannot be right: a state in motion, loads that turn with their node, too many modes, no steady state.
     """
-    system = _System(model, about, dynamic=True)
+    system = Linearised(model, about, dynamic=True)
     count = system.checked(count)
-    stiffness, mass = system.matrix(), system.mass()
     try:
-        shift = -1e-2 * _size_of_squares(stiffness, mass, count)
-        squares, vectors = _lowest(stiffness, mass, count, shift)
+        if spin is None and not system.damped:
+            stiffness, mass = system.stiffness(), system.mass
+            squares, vectors = _undamped(system, stiffness, mass, count)
+            values = np.where(squares < 0.0, np.sqrt(np.abs(squares)) + 0j, 1j * np.sqrt(np.abs(squares)))
+        else:
+            values, vectors = _quadratic(system, count, spin, centre)
+            squares = -np.real(values**2)
     except (ArpackNoConvergence, RuntimeError) as error:
         raise ModelError(f"the eigenvalues could not be found: {error}", "ask for fewer modes, or refine") from None
-    order = np.argsort(squares)
-    squares = squares[order]
-    frequencies = np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
-    return Modes(frequencies, squares, system.shapes(vectors[:, order]), system.disc.mesh)
+    return _described(system, squares, values, vectors)
+
+
+def _described(system: Linearised, squares: Array, values: Complex, vectors: NDArray[Any]) -> Modes:
+    """The modes with all that is said of them."""
+    disc, mass = system.disc, system.mass
+    along = np.array([np.abs(vectors.conj().T @ (mass @ system.moved(k))) ** 2 for k in range(3)]).T
+    shapes = system.shapes(vectors)
+    books = system.newton.books(system.x)
+    strain = books.strains.copy()
+    bent: list[NDArray[Any]] = []
+    pulled: list[NDArray[Any]] = []
+    for shape in shapes:
+        parts = [shape.real] if not np.iscomplexobj(shape) else [shape.real, shape.imag]
+        rates = [system.rates(part.ravel())[0] if np.any(part) else np.zeros_like(strain) for part in parts]
+        size = [1e-6 / max(float(np.abs(r).max()), 1e-300) for r in rates]
+        forces = [
+            (disc.section_force(strain + h * r) - disc.section_force(strain - h * r)) / (2.0 * h)
+            for h, r in zip(size, rates, strict=True)
+        ]
+        bent.append(rates[0] if len(rates) == 1 else rates[0] + 1j * rates[1])
+        pulled.append(forces[0] if len(forces) == 1 else forces[0] + 1j * forces[1])
+    sizes = np.abs(values)
+    n = disc.nodes
+    state = (
+        system.x[:n, :3].copy(), system.x[:n, 3:12].reshape(n, 3, 3).transpose(0, 2, 1).copy(), strain,
+        disc.section_force(strain),
+    )  # fmt: skip
+    ratios = np.where(sizes > 0.0, -values.real / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+    return Modes(
+        np.abs(values.imag) / (2.0 * np.pi), squares, shapes, disc.mesh, values,
+        ratios if np.iscomplexobj(vectors) else np.zeros(len(values)), along / system.total_mass, np.array(bent),
+        np.array(pulled), state,
+    )  # fmt: skip
+
+
+def _undamped(system: Linearised, stiffness: csc_matrix, mass: csc_matrix, count: int) -> Pair:
+    """The ``count`` lowest ω² and their vectors (free, count) of unit modal mass, rigid motions among them exactly."""
+    rigid = system.rigid()
+    size = _size_of_squares(stiffness, mass, count)
+    shift = -1e-2 * size
+    while negative_pivots(csc_matrix(stiffness - shift * mass)) and shift > -1e12 * size:  # unstable: from below all
+        shift *= 4.0
+    squares, vectors = _lowest(stiffness, mass, count, shift)
+    if rigid.shape[1]:
+        inside = rigid.T @ (mass @ vectors)
+        vectors = vectors - rigid @ inside
+        modal = np.sqrt(np.einsum("nk,nk->k", vectors, mass @ vectors))
+        elastic = modal > 0.5
+        vectors = np.hstack([rigid, vectors[:, elastic] / modal[elastic]])
+        squares = np.concatenate([np.zeros(rigid.shape[1]), squares[elastic]])
+    order = np.argsort(squares, kind="stable")[:count]
+    return squares[order], vectors[:, order]
 
 
 def _lowest(stiffness: csc_matrix, mass: csc_matrix, count: int, shift: float) -> Pair:
@@ -125,12 +165,71 @@ def _size_of_squares(stiffness: csc_matrix, mass: csc_matrix, count: int) -> flo
     return max(float(np.sort(np.abs(small))[count - 1]), tiny)
 
 
+def _quadratic(system: Linearised, count: int, spin: Vec | None, centre: Vec) -> tuple[Complex, Complex]:
+    """The ``count`` smallest λ of (λ² M + λ C + K) φ = 0, one of each conjugate pair, and their vectors (free, count)
+    of unit modal mass."""
+    stiffness, first = _turning(system, spin, centre) if spin is not None else (system.stiffness(), None)
+    mass = system.mass
+    if system.damped:
+        damping = system.damping()
+        first = damping if first is None else csc_matrix(first + damping)
+    assert first is not None
+    n = stiffness.shape[0]
+    unit = np.sqrt(_size_of_squares(stiffness, mass, count))  # of λ
+    shift = 1e-3  # a free body has no inverse stiffness
+    k, c, m = stiffness, csc_matrix(unit * first), csc_matrix(unit**2 * mass)
+    factored = splu(csc_matrix(k + shift * c + shift**2 * m))
+
+    def inverse(z: NDArray[Any]) -> NDArray[Any]:
+        """(A − shift B)⁻¹ B z of the linear form in (q, λ q)."""
+        q, p = z[:n], m @ z[n:]
+        low = -factored.solve(np.asarray(p + c @ q + shift * (m @ q)))
+        return np.concatenate([low, q + shift * low])
+
+    wanted = min(2 * count + 4, 2 * n - 2)
+    if n <= SMALL // 4:
+        values, vectors = cast("tuple[Complex, Complex]", eig(np.array([inverse(e) for e in np.eye(2 * n)]).T))
+    else:
+        operator: Any = LinearOperator
+        start = np.random.default_rng(0).standard_normal(2 * n)
+        of = operator((2 * n, 2 * n), matvec=inverse, dtype=float)
+        values, vectors = cast("tuple[Complex, Complex]", eigs(of, wanted, which="LM", v0=start, ncv=2 * wanted + 8))
+    seen = np.abs(values) > 1e-14 * np.abs(values).max()
+    found = unit * (1.0 / values[seen] + shift)
+    vectors = vectors[:n, seen]
+    upper = np.flatnonzero(found.imag >= -1e-12 * np.abs(found))
+    order = upper[np.argsort(np.abs(found[upper]), kind="stable")][:count]
+    found, vectors = found[order], vectors[:, order]
+    modal = np.sqrt(np.einsum("nk,nk->k", vectors.conj(), mass @ vectors).real)
+    largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(len(order))]
+    return found, vectors / (modal * largest / np.abs(largest))
+
+
+def _turning(system: Linearised, spin: Vec, centre: Vec) -> tuple[csc_matrix, csc_matrix]:
+    """Move the system to its steady spin; stiffness with the centrifugal part, and gyroscopic matrix."""
+    turning = Spin(np.array(vector(spin, "spin")), np.array(vector(centre, "centre")))
+    if not np.any(turning.rate):
+        raise ModelError("spin = (0, 0, 0) is none", "leave it out", "spin=")
+    external = system.disc.external(1.0)
+    axis = turning.rate / np.linalg.norm(turning.rate)
+    off = np.abs(np.cross(external[:, :6].reshape(-1, 3), axis)).max()
+    if off > ON_AXIS * np.abs(external).max(initial=0.0) and off > 0.0:
+        raise ModelError(
+            "a load points away from the axis of the spin: in a turning frame it would not stand still",
+            "leave it out, or let it act along the axis",
+            "spin=",
+        )
+    turning.settle(system.newton, system.hessian, system.x, external)
+    stiffness = csc_matrix(system.stiffness() + turning.stiffness(system.hessian, system.x))
+    return stiffness, turning.gyroscopic(system.hessian, system.x)
+
+
 def buckling(model: Model, about: Result | None = None, count: int = 4) -> BucklingLoads:
     """Linearised buckling: (K + μ K') φ = 0.
 
-    The loads not marked constant are the pattern. K' is the stiffness of the section forces that they cause in first
-    order, in the shape of the state: what they change in that shape before buckling is not seen, nor what they change
-    in the tension of links.
+    The loads not marked constant are the pattern. K' is the stiffness of the section forces and of the tension of links
+    that they cause in first order, in the shape of the state: what they change in that shape before buckling is not
+    seen; for that follow the path (:attr:`Result.stability`).
     Factors count from the state ``about``, in loads of the model: about the reference they are the buckling loads.
 
     Parameters
@@ -147,10 +246,10 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     ModelError
         Something cannot be right: no loads, a part that can move freely, loads that turn with their node.
     """
-    system = _System(model, about, dynamic=False)
+    system = Linearised(model, about, dynamic=False)
     refuse(at_start(system.newton, system.x, stressed=about is not None))
     count = system.checked(count)
-    stiffness = system.matrix()
+    stiffness = system.stiffness()
     factored = splu(stiffness)
     f = system.disc.external(1.0, 1.0)[:, :6] - system.disc.external(1.0, 0.0)[:, :6]
     if not np.any(f.ravel()[system.free]):
@@ -159,9 +258,12 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
         )
     response = np.zeros(system.free.shape)
     response[system.free] = factored.solve(f.ravel()[system.free])
-    strain = system.strain_rate(response)
-    size = 1e-3 / np.abs(strain).max()
-    rate = (system.matrix(size * strain) - system.matrix(-size * strain)) / (2.0 * size)
+    strain, lengths = system.rates(response)
+    size = 1e-3 / max(
+        float(np.abs(strain).max()), max((abs(v) for v in lengths.values()), default=0.0) / system.disc.length
+    )
+    ahead, behind = (system.stiffness(h * strain, {name: h * v for name, v in lengths.items()}) for h in (size, -size))
+    rate = (ahead - behind) / (2.0 * size)
     n = stiffness.shape[0]
     operator: Any = LinearOperator
     inverse = operator((n, n), matvec=factored.solve, dtype=float)
@@ -178,113 +280,3 @@ def buckling(model: Model, about: Result | None = None, count: int = 4) -> Buckl
     largest = np.abs(shapes[:, :, :3]).max(axis=(1, 2), keepdims=True)
     turned = np.abs(shapes[:, :, 3:]).max(axis=(1, 2), keepdims=True)
     return BucklingLoads(factors, shapes / np.where(largest > 1e-6 * turned, largest, turned), system.disc.mesh)
-
-
-class _System:
-    """Matrices on the free unknowns of a model about a state."""
-
-    def __init__(self, model: Model, about: Result | None, dynamic: bool) -> None:
-        if about is not None and (not isinstance(about, Result) or about.kind != "static"):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ModelError("about= is not an equilibrium", "give what solve_static returned", "about=")
-        if about is not None and not about.success:
-            raise ModelError(f"about= did not end well: {about.status.sentence}", "start from an equilibrium", "about=")
-        if isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
-            refuse_rod_contacts(model, "small motions are about one system")
-        self.scheme = AT_REST
-        if not dynamic and (model.actuations or model.tendons):
-            raise ModelError(
-                "linearised buckling does not know what actuation and tendons do in first order",
-                "follow the path with solve_static and a control, and look at modes about its states",
-            )
-        disc = discretise(model if dynamic else _with_mass(model), self.scheme)
-        factor = 0.0 if about is None else float(about.load_factor[-1])
-        self.disc: Discretisation = disc.driven_at(factor, factor)
-        if np.any(self.disc.external(1.0)[:, 6:]):
-            raise ModelError("a load turns with its node, and the stiffness is not symmetric", "leave followers out")
-        if model.joints:
-            raise ModelError(
-                f"joint {model.joints[0].name!r}: vibration and buckling have no form for joints yet",
-                "give nodes that are joined rigidly one name, or use stiff springs",
-            )
-        self.newton = Newton(self.disc, self.scheme, Settings())
-        start = None if about is None else _at_rest(about)
-        self.x = initial_state(self.disc, start, self.scheme)
-        self.x[: self.disc.nodes, 24:36] = 0.0
-        self.free = ~self.disc.fixed.ravel()
-
-    def checked(self, count: int) -> int:
-        """``count`` within what the model has."""
-        most = max(1, int(self.free.sum()) // 3)
-        return whole(count, "count", 1, most)
-
-    def _tangent(self, tables: Tables, ca: float) -> csc_matrix:
-        newton, n = self.newton, self.disc.nodes
-        g = newton.globals.copy()
-        g[1] = ca
-        rows: list[Any] = []
-        columns: list[Any] = []
-        values: list[Array] = []
-        for k, group in enumerate(self.disc.groups):
-            ne, nn = group.conn.shape
-            out = np.empty((ne, 6 * nn, 6 * nn))
-            element_tangents(tables, newton.work, self.x, g, k, out)
-            at = (6 * group.conn[:, :, None] + np.arange(6)).reshape(ne, -1)
-            rows.append(np.repeat(at, 6 * nn, axis=1).ravel())
-            columns.append(np.tile(at, (1, 6 * nn)).ravel())
-            values.append(out.ravel())
-        entries = np.concatenate(values)
-        whole = coo_matrix((entries, (np.concatenate(rows), np.concatenate(columns))), shape=(6 * n, 6 * n)).tocsc()
-        kept = csc_matrix(whole[:, np.flatnonzero(self.free)][np.flatnonzero(self.free)])
-        return csc_matrix(0.5 * (kept + kept.T))  # the Hessian: the rest vanishes at an equilibrium
-
-    def matrix(self, strain: Array | None = None) -> csc_matrix:
-        """Stiffness at the state, its shape as it is, with the strains (stations, 6) more."""
-        if strain is None:
-            return self._tangent(self.newton.tables, 0.0)
-        blocks: list[Array] = []
-        for group in self.disc.groups:
-            parameters = group.parameters.copy()
-            if not group.names:
-                first, each = sum(group.layout.sizes[:3]), group.layout.points
-                at = group.station[:, None] + np.arange(each)
-                parameters[:, first : first + 6 * each] -= strain[at].reshape(len(parameters), -1)
-            blocks.append(in_lanes(parameters))
-        return self._tangent(self.newton.tables._replace(par=np.concatenate(blocks)), 0.0)
-
-    def strain_rate(self, response: Array) -> Array:
-        """Strains (stations, 6) for one unit of an increment (6 n,), by a central difference."""
-        step = response.reshape(-1, 6)
-        size = 1e-5 / max(np.abs(step[:, 3:]).max(), np.abs(step).max() / self.disc.length)
-        found: list[Array] = []
-        for sign in (1.0, -1.0):
-            x = self.x.copy()
-            kernel.move(sign * size * step, self.disc.nodes, x, False, False, np.inf)
-            found.append(self.newton.books(x).strains.copy())
-        return (found[0] - found[1]) / (2.0 * size)
-
-    def mass(self) -> csc_matrix:
-        """Consistent mass at the state."""
-        tables = self.newton.tables
-        return csc_matrix(self._tangent(tables, 1.0) - self._tangent(tables, 0.0))
-
-    def shapes(self, vectors: Array) -> Array:
-        """Eigenvectors (free, count) as (count, n, 6)."""
-        out = np.zeros((vectors.shape[1], len(self.free)))
-        out[:, self.free] = vectors.T
-        return out.reshape(len(out), -1, 6)
-
-
-def _at_rest(about: Result) -> Result:
-    """An equilibrium as a start of a motion."""
-    return replace(about, v=0.0 * about.v, Rdot=0.0 * about.Rdot)
-
-
-def _with_mass(model: Model) -> Model:
-    """The model with some mass where it has none: stiffness does not ask for it, meshing for a motion does."""
-    rods = tuple(
-        replace(
-            rod, section=replace(rod.section, A_rho=rod.section.A_rho or 1.0, I_rho=np.eye(2), damping=np.zeros((6, 6)))
-        )
-        for rod in model.rods
-    )
-    return replace(model, rods=rods)

@@ -18,7 +18,7 @@ from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
 
-__all__ = ["has_history", "initial_state", "place_supports"]
+__all__ = ["has_history", "initial_state", "place_all", "place_supports"]
 
 
 def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) -> Array:
@@ -95,6 +95,17 @@ def place_supports(disc: Discretisation, x: Array, t: float) -> bool:
     for joint, value in disc.driven:
         x[disc.nodes + joint, TARGET] = value(t)
     return moved
+
+
+def place_all(disc: Discretisation, x: Array, t: float) -> bool:
+    """:func:`place_supports` for a discretisation whose supports may be elsewhere than they were."""
+    nodes, given = x[: disc.nodes], {node for node, displacement, _ in disc.prescribed if displacement is not None}
+    held = disc.fixed[:, :3].copy()
+    held[list(given)] = False
+    moved = np.where(held, disc.mesh.r0 - nodes[:, :3], 0.0)
+    nodes[:, :3] = np.where(held, disc.mesh.r0, nodes[:, :3])
+    nodes[:, 12:15] += moved
+    return place_supports(disc, x, t) or bool(np.any(moved))
 
 
 def _columns(rotation: Array) -> Array:

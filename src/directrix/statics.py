@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.audit import StaticBooks
-from directrix.checks import choice, reporting, whole
+from directrix.checks import choice, flag, reporting, whole
 from directrix.contact_groups import refuse_rod_contacts
 from directrix.controls import SMALLEST, ArcLength, Control, DisplacementControl
+from directrix.critical import PathStability
 from directrix.diagnosis import at_start, noted, refuse
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
@@ -19,19 +20,21 @@ from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc, refu
 from directrix.formulations.crisfield_jelenic import CrisfieldJelenicStatics
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
+from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
 from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
 from directrix.recorder import Progress, Recorder
-from directrix.result import Result, Status, TurningPoint
+from directrix.result import Result, Status, TurningPoint, turn_length
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
+from directrix.watch import Watch
 
 Array = NDArray[np.float64]
 
-__all__ = ["solve_static"]
+__all__ = ["PATIENCE", "solve_static", "static_scheme", "watch_for"]
 
 PATIENCE = 20  # Newton iterations of a step along a path: it is cheaper to cut it
 
@@ -46,6 +49,7 @@ def solve_static(
     save_every: int = 1,
     tolerance: float = 1e-9,
     rotation: str = "exponential",
+    stability: bool | None = None,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -76,6 +80,10 @@ def solve_static(
         Unbalanced over largest element force at which a state is accepted (never below round-off).
     rotation
         Update of the rotations in an iteration, "exponential" or "cayley"; both reach the same state.
+    stability
+        Whether to count the negative pivots of the stiffness at every saved state (:attr:`Result.stability`) and, with
+        a ``control``, to look for critical points; True with a control unless said otherwise. Where loads have no
+        potential there is nothing to read, and ``info["stability"]`` says why.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -114,11 +122,12 @@ def solve_static(
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static")
+    watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
-        run = _LoadSteps(newton, recorder, steps or 10, save_every)
+        run = _LoadSteps(newton, recorder, steps or 10, save_every, watch)
     else:
-        run = Walk(newton, control, recorder, save_every)
+        run = Walk(newton, control, recorder, save_every, watch)
     status = run.begin(x, start)
     try:
         status = status or run.go(reporting(progress))
@@ -132,8 +141,10 @@ def solve_static(
         "formulation": repr(formulation or Directors()), "tolerance": tolerance, "cuts": run.cuts, "rotation": rotation,
         "element": repr(scheme.element),
         **({"steps": steps} if control is None else {"control": repr(control)}),
+        **({"stability": f"not read: {unread}"} if unread else {}),
     }  # fmt: skip
-    result = replace(recorder.result(status, run.ledger.audit(), info), turning_points=tuple(run.turning_points))
+    result = recorder.result(status, run.ledger.audit(), info)
+    result = replace(result, turning_points=tuple(run.turning_points), stability=run.stability)
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
@@ -144,8 +155,11 @@ class _LoadSteps:
 
     turning_points: tuple[TurningPoint, ...] = ()
 
-    def __init__(self, newton: Newton, recorder: Recorder, steps: int, save_every: int) -> None:
+    def __init__(
+        self, newton: Newton, recorder: Recorder, steps: int, save_every: int, watch: Watch | None = None
+    ) -> None:
         self.newton, self.recorder, self.steps, self.save_every = newton, recorder, steps, save_every
+        self.watch, self.counts = watch, list[int]()
         self.factor, self.kept, self.cuts = 0.0, 0.0, 0
 
     def begin(self, x: Array, start: Result | None) -> None:
@@ -199,7 +213,31 @@ class _LoadSteps:
     def _keep(self) -> None:
         r = self.x[: self.newton.disc.nodes, :3]
         self.recorder.keep(self.factor, self.factor, r, self.x, self.books, self.ledger.flows)
+        if self.watch is not None:
+            self.counts.append(self.watch.pivots(self.x, self.factor))
         self.kept = self.factor
+
+    @property
+    def stability(self) -> PathStability | None:
+        """Of the saved states; None when nobody watched."""
+        counts = np.array(self.counts, np.int64)
+        return None if self.watch is None else PathStability(counts, np.zeros(len(counts), bool))
+
+
+def watch_for(newton: Newton, wanted: bool | None, control: Control | None) -> tuple[Watch | None, str]:
+    """What looks at stability, or why that cannot be read. Raises ModelError when it is asked for and cannot."""
+    if wanted is not None:
+        flag(wanted, "stability")
+    if wanted is False or (wanted is None and control is None):
+        if isinstance(control, ArcLength) and control.turns:
+            raise ModelError("branch= needs stability", "leave stability=False out", "stability=")
+        return None, ""
+    why = not_conservative(newton)
+    if why and (wanted or (isinstance(control, ArcLength) and control.turns)):
+        raise ModelError(
+            f"stability cannot be read from the stiffness: {why}", "follow the path without it", "stability="
+        )
+    return (None if why else Watch(newton, turn_length(newton.disc.mesh.r0))), why
 
 
 def static_scheme(model: Model, formulation: Formulation | None) -> Scheme:

@@ -90,6 +90,8 @@ def build_control(table: m.ArcLength | m.DisplacementControl | None) -> Control 
                 until if ends or table.until is not None else None,
                 table.max_steps,
                 load_factors=(*table.load_factors, *ends),
+                load_step=table.load_step,
+                branch=table.branch,
             )
 
 

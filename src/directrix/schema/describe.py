@@ -105,6 +105,10 @@ def _drive(do: Statics) -> Iterator[str]:
                 ends.append(f"{far.component} of {far.node} has moved {far.displacement:g} {side}")
             if ends:
                 yield f"  until {', or '.join(ends)}"
+            if arc.load_step is not None:
+                yield f"  the load factor changes by {arc.load_step:g} at most in a step"
+            for turn in arc.branch if isinstance(arc.branch, tuple) else (arc.branch,):
+                yield f"  leaves the path at bifurcation {abs(turn)}, to {'one' if turn > 0 else 'the other'} side"
     if do.control is not None and do.control.load_factors:
         yield f"  stops on the way at load factors {', '.join(f'{f:g}' for f in do.control.load_factors)}"
 

@@ -503,6 +503,10 @@ class ArcLength(Strict):
     """The run ends when a node has moved so far."""
     load_factors: LoadFactors = ()
     """Load factors to stop at on the way, wherever the path crosses them."""
+    load_step: Positive | None = None
+    """Largest change of the load factor in a step, for paths along which next to nothing moves."""
+    branch: int | Annotated[tuple[int, ...], Field(strict=False)] = ()
+    """Which bifurcation to leave the path at: 1 or -1 for the two sides of the first one, 2 or -2 for the second, …"""
 
 
 class DisplacementControl(Strict):

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from directrix import checks
 from directrix.audit import Audit, Entry
+from directrix.critical import CriticalPoint, PathStability
 from directrix.errors import InputError
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
 
@@ -246,6 +247,9 @@ def _write_result(root: h5py.Group, result: Result) -> None:
             if not key.name.endswith("by_source"):
                 _put(group, key.name, getattr(value, key.name))
 
+    if result.stability is not None:
+        _write_stability(root.create_group("stability"), result.stability)
+
     group = root.create_group("mesh")  # the rods one after the other, so that many rods stay few datasets
     sizes = [(len(r.nodes), len(r.stations), len(r.outline), r.order, r.first_station) for r in mesh.rods]
     _put(group, "sizes", np.array(sizes, np.int64).reshape(-1, 5))
@@ -298,7 +302,23 @@ def _read_result(root: Any) -> Result:
         info=text("info"),
         # a file from before there were any has none
         turning_points=tuple(TurningPoint(**p) for p in text("turning_points")) if "turning_points" in root else (),
+        stability=_read_stability(root["stability"]) if "stability" in root else None,
     )
+
+
+def _write_stability(group: h5py.Group, of: PathStability) -> None:
+    _put(group, "negative", of.negative)
+    _put(group, "critical", of.critical)
+    said = [{k: v for k, v in vars(p).items() if k != "modes"} for p in of.points]
+    group.create_dataset("points", data=json.dumps(said, default=_plain))
+    for k, point in enumerate(of.points):
+        _put(group, f"modes{k}", point.modes)
+
+
+def _read_stability(group: Any) -> PathStability:
+    said = json.loads(group["points"][()])
+    points = tuple(CriticalPoint(**p, modes=group[f"modes{k}"][()]) for k, p in enumerate(said))
+    return PathStability(group["negative"][()], group["critical"][()], points)
 
 
 def _read_named(root: Any, key: str) -> dict[str, Array]:

@@ -11,6 +11,7 @@ from directrix.checks import nearest
 from directrix.errors import ConvergenceError, ModelError
 from directrix.verification import (
     bend45,
+    branching,
     cantilevers,
     elastica,
     elbow,
@@ -35,9 +36,10 @@ __all__ = ["CASES", "Outcome", "perform", "select"]
 MODULES = (
     objectivity, path_independence, rigid_motion, support_turns, unloading,
     roll_up, elastica, follower, bend45, cantilevers, helix,
-    hinged_frame, vibration_and_buckling, elbow, spaghetti, spin_up, heavy_top,
+    hinged_frame, vibration_and_buckling, branching, elbow, spaghetti, spin_up, heavy_top,
 )  # fmt: skip
-CASES: tuple[Case, ...] = tuple(case for module in MODULES for case in module.CASES)
+_EVERY = [case for module in MODULES for case in module.CASES]
+CASES: tuple[Case, ...] = tuple(sorted(_EVERY, key=lambda case: [int(n) for n in case.section.split(".")]))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,114 @@
+"""Equilibria of a model as one of its numbers changes: a load, a length, a stiffness, what is prescribed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.checks import number, reporting
+from directrix.controls import ArcLength
+from directrix.discretisation import discretise
+from directrix.errors import ConvergenceError, ModelError
+from directrix.family import Family, made
+from directrix.model import Model
+from directrix.newton import Newton, Settings
+from directrix.path import Walk
+from directrix.recorder import Progress, Recorder
+from directrix.result import Result, Status
+from directrix.state import initial_state
+from directrix.statics import PATIENCE, solve_static, static_scheme, watch_for
+
+Array = NDArray[np.float64]
+
+__all__ = ["continuation"]
+
+
+def continuation(
+    make: Callable[[float], Model],
+    begin: float,
+    *,
+    control: ArcLength,
+    steps: int = 10,
+    start: Result | None = None,
+    save_every: int = 1,
+    tolerance: float = 1e-9,
+    stability: bool | None = None,
+    progress: Progress | None = None,
+    raise_on_failure: bool = False,
+) -> Result:
+    """Follow the equilibria of ``make(p)`` under its whole loads while p changes from ``begin``, as an unknown.
+
+    Parameters
+    ----------
+    make
+        Gives the model at a value of the parameter: always the same rods, elements, joints and supports, any numbers.
+        Loads act in full; those that are functions, and what is prescribed as a function, are taken at p.
+    begin
+        Value to start at; the equilibrium there is found by load control in ``steps`` parts, or is ``start``.
+    control
+        ``dx.ArcLength(…)``: its load factors are values of p, "forward" is towards larger ones at first.
+    start
+        An equilibrium of ``make(begin)``: the last state of this result.
+    save_every, tolerance, stability, progress, raise_on_failure
+        As in :func:`directrix.solve_static`.
+
+    Returns
+    -------
+    Result
+        ``load_factor`` (nt,) holds the values of p; displacements count from the reference of ``make(begin)``.
+
+    Raises
+    ------
+    ModelError
+        A model or an argument cannot be right, or a model does not fit the first one.
+    """
+    begin = number(begin, "begin")
+    if not isinstance(control, ArcLength):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ModelError(f"control = {control!r} does not follow a path", "use dx.ArcLength(…)", "control=")
+    model = made(make, begin)
+    if start is None:
+        start = solve_static(model, steps, tolerance=tolerance)
+        if not start.success:
+            raise ModelError(
+                f"there is no equilibrium to start from at {begin:g}: {start.status.sentence}",
+                "begin where there is one, or give start=",
+            )
+    scheme = static_scheme(model, None)
+    disc = discretise(model, scheme)
+    if disc.drives:
+        raise ModelError(
+            "continuation has no form for actuation, tendons and drag yet", "let them be functions of the load factor"
+        )
+    x = initial_state(disc, start, scheme)
+    newton = Newton(disc, scheme, replace(Settings(tolerance), iterations=PATIENCE))
+    newton.family = Family(make, disc, scheme)
+    watch, unread = watch_for(newton, stability, control)
+    recorder = Recorder(disc, "static")
+    walk = Walk(newton, control, recorder, save_every, watch)
+    here = replace(start, t=start.t[-1:], load_factor=np.array([begin]), r=start.r[-1:], R=start.R[-1:])
+    status = walk.begin(x, here)
+    try:
+        status = status or walk.go(reporting(progress))
+    except KeyboardInterrupt:
+        status = Status("interrupted", f"interrupted at {walk.factor:.6g}.", "Go on with start=.")
+    except ModelError as error:  # a user's function that fails on the way: keep what there is
+        status = Status("bad_input", f"stopped at {walk.factor:.6g}: {error.what}.", f"{error.fix}.")
+    walk.close()
+    info = {
+        "formulation": "Directors()", "tolerance": tolerance, "cuts": walk.cuts, "element": repr(scheme.element),
+        "control": repr(control), "parameter": "p of a family of models",
+        **({"stability": f"not read: {unread}"} if unread else {}),
+    }  # fmt: skip
+    result = recorder.result(status, walk.ledger.audit(), info)
+    discs = [newton.family.at(float(p)) for p in result.load_factor]
+    force = np.array([d.section_force(e) for d, e in zip(discs, result.strain, strict=True)])
+    states = [d.link_states(result.r[k : k + 1], result.R[k : k + 1]) for k, d in enumerate(discs)]
+    links = {name: np.concatenate([state[name] for state in states]) for name in states[0]}
+    turning = tuple(walk.turning_points)
+    result = replace(result, force=force, links=links, turning_points=turning, stability=walk.stability)
+    if raise_on_failure and not result.success:
+        raise ConvergenceError(result)
+    return result
