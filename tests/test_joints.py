@@ -9,6 +9,7 @@ import directrix as dx
 from directrix.formulations.conformance import check_tangent
 from directrix.formulations.joint import JointElement, JointLayout
 from directrix.joints import KINDS, Joint
+from directrix.rotations import exp
 from directrix.scheme import Rates
 
 SECTION = dx.Section.rectangle(0.1, 0.12, E=1e6, nu=0.3, rho=1000)
@@ -84,6 +85,49 @@ def test_the_tangent_of_a_joint(kind: str, rates: Rates) -> None:
         parameters = np.array(joint.parameters(PLACES))
         layout = JointLayout(2 + (joint.b is not None), 0, True, parameters=len(parameters))
         assert check_tangent(element, layout, np.random.default_rng(4), parameters) <= 1e-11
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if KINDS[kind].free])
+def test_the_virtual_work_of_a_joint_is_the_derivative_of_its_potential(kind: str) -> None:
+    """Springs and stops in statics, complex step; constraint forces are λ times the derivative of the constraints."""
+    rng, axes = np.random.default_rng(7), _plain(AXES.get(kind, {}))
+    acting: dict = {"stiffness": 3.0}
+    if KINDS[kind].free != "ball":
+        acting |= {"rest": 0.1, "stops": (-0.2, 0.3), "stop_stiffness": 40.0, "stop_width": 0.1}
+    joint = Joint("joint", kind, "B", "C", axis=axes.get("axis", (0, 0, 1)), second=axes.get("second"), **acting)
+    element = JointElement(Rates.NONE, kind, active=True)
+    parameters = joint.parameters(PLACES)
+    layout = JointLayout(3, 0, True, parameters=len(parameters))
+    # the angle of a hinge is that of the section frames where its constraints hold: turn C about the axis of B
+    turned = exp(0.4 * rng.standard_normal(3))
+    u = turned @ (np.array(joint.axis) / np.linalg.norm(joint.axis))
+    spun = exp(0.5 * u) @ turned
+    x = np.zeros((3, 40))
+    for row, R in ((x[0], turned), (x[1], spun)):
+        row[:3] = rng.standard_normal(3)
+        row[3:12] = R.T.ravel()
+        row[15:24] = R.T.ravel()
+    x[2, 6] = 0.5 if KINDS[kind].free == "angle" else 0.0
+    step = element.step(layout, x.ravel().tolist(), parameters, [0.0] * 8)[0]
+    for lam in range(6):
+        x[2, :6] = 0.0
+        x[2, lam] = 1.0
+        held = np.array(element.step(layout, x.ravel().tolist(), parameters, [0.0] * 8)[0], float) - np.array(
+            step, float
+        )
+        for column in range(12):
+            y = x.astype(complex)
+            node, k = divmod(column, 6)
+            if k < 3:
+                y[node, k] += 1e-30j
+            else:
+                y[node, 3:12] += 1e-30j * np.cross(np.eye(3)[k - 3], x[node, 3:12].reshape(3, 3)).ravel()
+            rows = element.step(layout, y.ravel().tolist(), parameters, [0.0] * 8)[0][12:]
+            assert held[column] == pytest.approx(np.imag(complex(rows[lam])) / 1e-30, abs=1e-13)
+            if lam == 0:
+                stored = element.audit(layout, y.ravel().tolist(), parameters)[0]
+                assert float(step[column]) == pytest.approx(np.imag(complex(stored)) / 1e-30, abs=1e-12)
+    assert np.abs(np.array(step[:12], float)).max() > 0.1
 
 
 @pytest.mark.parametrize("kind", KINDS)
