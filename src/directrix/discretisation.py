@@ -7,18 +7,15 @@ tridiagonal); anything else is a general frame (sparse blocks). Interior nodes o
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from directrix.actuators import value_at
 from directrix.basis import gauss, lagrange
-from directrix.checks import number, shown, vector
+from directrix.checks import shown
 from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
 from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
@@ -34,7 +31,9 @@ from directrix.groups import (
     parameters_of,
 )
 from directrix.joint_groups import joint_ends, joint_groups, unused
-from directrix.model import Distributed, Force, Gravity, Model, Pressure, RigidVelocity, Vec
+from directrix.loads import LoadTerm, Prescribed, driven_joints, drives_as_loads, loads_of, supports_of
+from directrix.model import Model, RigidVelocity, Vec
+from directrix.numbering import Pattern, pattern_of
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.routes import refuse_driven, routes_of
@@ -43,40 +42,9 @@ from directrix.section import Section
 from directrix.sources import Sources, sources_of
 
 Array = NDArray[np.float64]
-Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
 Ints = NDArray[np.int64]
 
-__all__ = ["Discretisation", "LoadTerm", "Pattern", "discretise"]
-
-
-@dataclass(frozen=True)
-class LoadTerm:
-    """A load as the solvers see it: ``value(t)`` times ``weights`` on ``nodes``, from column ``first`` on of the loads:
-    0 force, 3 moment, 6 following force, 9 following moment. ``weights`` are (nodes, 1) for a vector, (nodes, 3) for a
-    number that acts in directions of their own."""
-
-    first: int
-    nodes: Ints
-    weights: Array
-    value: Callable[[float], Array]
-    constant: bool
-    varies: bool
-    label: str
-
-
-class Pattern(NamedTuple):
-    """Block rows of the condensed system. ``row`` (n,) of every node, −1 for interior ones; the blocks of a
-    row are ``rowptr[row] : rowptr[row + 1]`` with block columns ``column``; ``dest`` are, element by element,
-    the blocks (a, b) of its nodes in the pattern, a fastest; ``first`` is where each group of elements begins there."""
-
-    chain: bool
-    row: Ints
-    node_of_row: Ints
-    rowptr: Ints
-    column: Ints
-    diagonal: Ints
-    dest: Ints
-    first: tuple[int, ...]
+__all__ = ["Discretisation", "discretise", "rates_of"]
 
 
 @dataclass(frozen=True)
@@ -112,7 +80,7 @@ class Discretisation:
         kept = (replace(g, condensed=not pushing) if g.inside or not g.names else g for g in others)
         groups = (*kept, *pushing)
         sources = sources_of(self.model, groups, scheme)
-        return replace(self, groups=groups, pattern=_pattern(self.rows, groups), sources=sources)
+        return replace(self, groups=groups, pattern=pattern_of(self.rows, groups), sources=sources)
 
     @property
     def nodes(self) -> int:
@@ -233,89 +201,6 @@ def rates_of(rotation: Array, omega: Array) -> Array:
     return hat(omega) @ rotation
 
 
-def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
-    if not callable(value):
-        given = np.asarray(value, float)
-        return (lambda t: t * given) if ramp else (lambda t: given)
-
-    def checked(t: float) -> Array:
-        try:
-            out = value(t)
-        except Exception as error:  # whatever a user's function raises
-            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return three numbers for every t") from error
-        return np.array(vector(out, f"{what} at t = {t:.6g}"))
-
-    return checked
-
-
-def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> Callable[[float], Array]:
-    if not callable(value):
-        given = np.array([value])
-        return lambda t: given
-    return lambda t: value_at(value, 1, what, t)
-
-
-def _pattern(n: int, groups: Sequence[Group]) -> Pattern:
-    """Numbering and blocks for the elements of ``groups``."""
-    conn = [group.in_pattern for group in groups]
-    joined = conn[0]
-    in_line = len(conn) == 1 and joined.shape[1] == 2 and np.array_equal(joined[1:, 0], joined[:-1, 1])
-    if in_line and len(np.unique(joined)) == len(joined) + 1:
-        return _in_line(n, np.append(joined[:, 0], joined[-1, 1]))
-    ends = np.unique(np.concatenate([c.ravel() for c in conn]))
-    near: dict[int, list[int]] = {int(k): [] for k in ends}
-    for elements in conn:
-        for a, b in itertools.permutations(range(elements.shape[1]), 2):
-            for here, there in elements[:, [a, b]].tolist():
-                if there not in near[here]:  # a tendon beside a rod joins no more than the rod does
-                    near[here].append(there)
-    order: list[int] = []
-    seen: set[int] = set()
-    for start in [k for k in near if len(near[k]) == 1]:
-        k: int | None = start
-        while k is not None and k not in seen:
-            seen.add(k)
-            order.append(k)
-            k = next((m for m in near[k] if m not in seen), None)
-    chain = len(order) == len(near) and all(len(m) <= 2 for m in near.values())
-    if not chain:
-        order = [int(k) for k in ends]
-    row = np.full(n, -1, np.int64)
-    row[order] = np.arange(len(order))
-    if chain:
-        rows = [[i - 1, i, i + 1] for i in range(len(order))]
-    else:
-        rows = [sorted({i, *(int(row[m]) for m in near[k])}) for i, k in enumerate(order)]
-    rowptr = np.cumsum([0, *(len(r) for r in rows)])
-    at = [{c: int(rowptr[i]) + j for j, c in enumerate(r)} for i, r in enumerate(rows)]
-    dest = [
-        [at[force][increment] for nodes in row[elements].tolist() for increment in nodes for force in nodes]
-        for elements in conn
-    ]
-    return Pattern(
-        chain,
-        row,
-        np.array(order, np.int64),
-        rowptr.astype(np.int64),
-        np.array([c for r in rows for c in r], np.int64),
-        np.array([at[i][i] for i in range(len(rows))], np.int64),
-        np.concatenate([np.array(d, np.int64) for d in dest]),
-        tuple(itertools.accumulate((len(d) for d in dest[:-1]), initial=0)),
-    )
-
-
-def _in_line(n: int, order: Ints) -> Pattern:
-    """The pattern of elements that follow one another along the nodes ``order``."""
-    rows = np.arange(len(order))
-    row = np.full(n, -1, np.int64)
-    row[order] = rows
-    own = 3 * rows + 1
-    return Pattern(
-        True, row, order, np.append(3 * rows, 3 * len(rows)), (rows[:, None] + np.arange(-1, 2)).ravel(), own,
-        np.stack([own[:-1], own[:-1] + 2, own[:-1] + 1, own[1:]], -1).ravel(), (0,),
-    )  # fmt: skip
-
-
 def discretise(model: Model, scheme: Scheme) -> Discretisation:
     """Mesh the model and number its unknowns; raises ModelError for a model that cannot be solved."""
     if not isinstance(model, Model):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -390,7 +275,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     joints = tuple(joint.name for joint in model.joints)
     mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
     n = len(positions)
-    fixed, prescribed = _supports(model, names, n, dynamic)
+    fixed, prescribed = supports_of(model, names, n, dynamic)
     idle = [names[name] for name in idle_rotations(model, scheme.static)]
     fixed[idle, 3:] = True
     refuse_loose(model, names, groups, fixed)
@@ -398,11 +283,11 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         model,
         mesh,
         groups,
-        _pattern(n + len(model.joints), groups),
+        pattern_of(n + len(model.joints), groups),
         fixed,
         prescribed,
-        _driven(model, dynamic),
-        (*_loads(model, names, spread), *_drives(model, n)),
+        driven_joints(model, dynamic),
+        (*loads_of(model, names, spread), *drives_as_loads(model, n)),
         tuple(rod.section for rod in model.rods),
         lumped,
         lengths,
@@ -410,93 +295,3 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         sources_of(model, groups, scheme),
         drives_of(model, groups, rods),
     )
-
-
-def _supports(
-    model: Model, names: dict[str, int], n: int, dynamic: bool
-) -> tuple[NDArray[np.bool_], tuple[Prescribed, ...]]:
-    fixed = np.zeros((n, 6), bool)
-    for support in model.supports:
-        for dof in support.dofs:
-            fixed[names[support.node], ("x", "y", "z", "rx", "ry", "rz").index(dof)] = True
-    prescribed: list[Prescribed] = []
-    for given in model.prescribed:
-        k = names[given.node]
-        functions: list[Callable[[float], Array] | None] = []
-        for part, value in ((slice(0, 3), given.displacement), (slice(3, 6), given.rotation)):
-            if value is not None:
-                fixed[k, part] = True
-            what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
-            functions.append(None if value is None else _as_function(value, not dynamic, what))
-        prescribed.append((k, functions[0], functions[1]))
-    return fixed, tuple(prescribed)
-
-
-def _driven(model: Model, dynamic: bool) -> tuple[tuple[int, Callable[[float], float]], ...]:
-    out: list[tuple[int, Callable[[float], float]]] = []
-    for j, joint in enumerate(model.joints):
-        if joint.prescribed is not None:
-            out.append(
-                (j, _scalar(joint.prescribed, not dynamic, f"the prescribed coordinate of joint {joint.name!r}"))
-            )
-    return tuple(out)
-
-
-def _scalar(value: float | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], float]:
-    if not callable(value):
-        given = number(value, what)
-        return (lambda t: t * given) if ramp else (lambda t: given)
-
-    def checked(t: float) -> float:
-        try:
-            out = value(t)
-        except Exception as error:  # whatever a user's function raises
-            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return a number for every t") from error
-        return number(out, f"{what} at t = {t:.6g}")
-
-    return checked
-
-
-def _drives(model: Model, n: int) -> list[LoadTerm]:
-    """Drives of joints as loads in the first column of the followers."""
-    terms: list[LoadTerm] = []
-    for j, joint in enumerate(model.joints):
-        if joint.drive is None:
-            continue
-        what = f"the drive of joint {joint.name!r}"
-        value = _scalar(joint.drive, False, what)
-        terms.append(
-            LoadTerm(
-                6, np.array([n + j]), np.ones((1, 1)), lambda t, f=value: np.array([f(t), 0.0, 0.0]), False,
-                callable(joint.drive), what,
-            )
-        )  # fmt: skip
-    return terms
-
-
-def _loads(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array, Array]]) -> tuple[LoadTerm, ...]:
-    terms: list[LoadTerm] = []
-    for load in model.loads:
-        if isinstance(load, Pressure):
-            nodes, weights, directors = spread[load.rod]
-            side = directors[:, :, int(load.along[-1]) - 1] * (-1.0 if load.along.startswith("-") else 1.0)
-            what = f"the pressure on rod {load.rod!r}"
-            value = _number_function(load.value, what)
-            terms.append(
-                LoadTerm(6, nodes, load.width * weights * side, value, load.constant, callable(load.value), what)
-            )
-            continue
-        if isinstance(load, Gravity):
-            over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
-            over += [(np.array([names[body.node]]), np.array([[body.mass]])) for body in model.bodies]
-            what, first = "gravity", 0
-        elif isinstance(load, Distributed):
-            over, what = [spread[load.rod][:2]], f"the distributed load on rod {load.rod!r}"
-            first = 6 if load.follower else 0
-        else:
-            kind = "force" if isinstance(load, Force) else "moment"
-            over, what = [(np.array([names[load.node]]), np.ones((1, 1)))], f"the {kind} on node {load.node!r}"
-            first = (0 if kind == "force" else 3) + (6 if load.follower else 0)
-        value = _as_function(load.value, False, what)
-        terms += [LoadTerm(first, nodes, w, value, load.constant, callable(load.value), what) for nodes, w in over]
-    return tuple(terms)
