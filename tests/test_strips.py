@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import directrix as dx
-from directrix import dynamics
+from directrix import dynamics, strips
 from directrix.discretisation import discretise
 from directrix.newton import Newton, Settings
 from directrix.strips import strips_for
@@ -14,6 +14,11 @@ from directrix.strips import strips_for
 RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
 CHORDS = dx.arc((0, 0, 0), (1, 1, 0), (2, 0, 0), directors="chord")
+
+
+@pytest.fixture(autouse=True)
+def short_chains_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strips, "FEWEST", 0)
 
 
 def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1) -> dx.Model:
@@ -108,6 +113,12 @@ def test_what_it_cannot_do_is_left_to_the_general_way() -> None:
     assert not qualifies(rod(order=3))
     assert not qualifies(rod(), dx.GeneralizedAlpha(0.8))
     assert not qualifies(rod(), dx.EnergyDissipating(0.5))
+
+
+def test_a_short_chain_is_left_to_the_general_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strips, "FEWEST", 22)
+    assert not qualifies(rod(elements=21))
+    assert qualifies(rod(elements=22))
 
 
 def test_an_interrupted_run_keeps_its_last_state() -> None:

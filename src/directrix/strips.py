@@ -27,6 +27,8 @@ Ints = NDArray[np.int64]
 
 __all__ = ["Strips", "strips_for"]
 
+FEWEST = 40
+"""Elements from which on lanes are used: below, a run ends sooner than the lanes take to compile the first time."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
@@ -102,8 +104,8 @@ def _chain(disc: Discretisation) -> Ints | None:
 def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
     """The fast way for a model, or None.
 
-    It takes one chain of linear or quadratic elements of one kind that all point one way, a midpoint step without
-    damping, supports that stay and loads that keep their direction."""
+    It takes one chain of at least FEWEST linear or quadratic elements of one kind that all point one way, a midpoint
+    step without damping, supports that stay and loads that keep their direction."""
     order = _chain(disc)
     if (
         order is None
@@ -115,7 +117,7 @@ def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Arra
     ):
         return None
     group = disc.groups[0]
-    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < 2 * LANES:
+    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < max(FEWEST, 2 * LANES):
         return None
     if any(load.first >= 6 for load in disc.loads):
         return None

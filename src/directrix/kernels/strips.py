@@ -29,6 +29,13 @@ ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD = 0, 1, 2, 5, 8, 16, 17
 
 
 @inner
+def _zero(values):
+    """All of a flat array; here and elsewhere loops in place of slices that are assigned, which are slow to compile."""
+    for k in range(values.shape[0]):
+        values[k] = 0.0
+
+
+@inner
 def _tangent(code, s, g, frozen):
     """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
     small = s.small
@@ -97,10 +104,10 @@ def _solve(code, main, rest, w, frozen, only_right):
     """Solve for the nodes where parts meet, then backwards through all rows; largest displacement and turn, and a sum
     that shows what is not finite."""
     if not only_right:
-        w.blocks[:] = 0.0
-    w.rhs[:] = 0.0
-    _join(main, 0, w, only_right)
-    _join(rest, main.lanes, w, only_right)
+        _zero(w.blocks.reshape(-1))
+    _zero(w.rhs.reshape(-1))
+    for part in range(2):  # one call for both strips: what is called is compiled into each place
+        _join(main if part == 0 else rest, part * main.lanes, w, only_right)
     for a in range(w.rhs.shape[0]):
         for i in range(6):
             if not only_right:
@@ -113,9 +120,9 @@ def _solve(code, main, rest, w, frozen, only_right):
                 w.blocks[3 * a + 1, i, i] = 1.0
     if solve_chain(w.eliminate, w.blocks, w.rhs, w.factors, w.du) >= 0:
         return 0.0, 0.0, False
-    w.size[:] = 0.0
-    _back(code, main, 0, w)
-    _back(code, rest, main.lanes, w)
+    _zero(w.size)
+    for part in range(2):
+        _back(code, main if part == 0 else rest, part * main.lanes, w)
     moved = turned = total = 0.0
     for lane in range(LANES):
         moved, turned = max(moved, w.size[lane]), max(turned, w.size[LANES + lane])
@@ -177,12 +184,12 @@ def _balance(code, s, first, g, w):
 @inner
 def _imbalance(code, main, rest, g, w, options):
     """Residual of all nodes; the largest unbalanced force or moment over what is allowed, 1e300 if not finite."""
-    w.most[:] = 0.0
+    _zero(w.most)
     for a in range(w.res.shape[0]):
         for i in range(6):
             w.res[a, i] = w.load[a, i]
-    _balance(code, main, 0, g, w)
-    _balance(code, rest, main.lanes, g, w)
+    for part in range(2):
+        _balance(code, main if part == 0 else rest, part * main.lanes, g, w)
     force, moment, off_f, off_m, total = w.largest[0], w.largest[1], 0.0, 0.0, 0.0
     for lane in range(LANES):
         force, moment = max(force, w.most[lane]), max(moment, w.most[LANES + lane])
@@ -219,21 +226,19 @@ def _iterate(code, main, rest, g, w, options):
     frozen = again = False
     before = 0.0
     for iteration in range(1, allowed + 1):
-        if again:
-            _ends(main, 0, w, False)
-            _ends(rest, main.lanes, w, False)
-            _again(code, main)
-            _again(code, rest)
-        else:
-            _tangent(code, main, g, frozen)
-            if rest.lanes:
-                _tangent(code, rest, g, frozen)
+        for part in range(2 if rest.lanes else 1):
+            s = main if part == 0 else rest
+            if again:
+                _ends(s, part * main.lanes, w, False)
+                _again(code, s)
+            else:
+                _tangent(code, s, g, frozen)
         moved, turned, finite = _solve(code, main, rest, w, frozen, again)
         if not finite:
             return 0
         w.scale[0] = 1.0 if turned <= limit else limit / turned
-        _move(code, main, w.scale)
-        _move(code, rest, w.scale)
+        for part in range(2):
+            _move(code, main if part == 0 else rest, w.scale)
         if frozen or turned > LARGE_TURN:
             frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
             continue
@@ -277,7 +282,7 @@ def _close(code, s, g, w):
             code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
             (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
         )  # fmt: skip
-    w.books[:] = 0.0
+    _zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
             code[AUDIT],
@@ -294,22 +299,21 @@ def run(code, main, rest, g, w, options, results):
     orthonormality, Σ |support force|². When a step does not converge the state is that at its start.
     """
     for k in range(results.shape[0]):
-        _keep(main, False)
-        _keep(rest, False)
+        for part in range(2):
+            _keep(main if part == 0 else rest, False)
         iterations = _iterate(code, main, rest, g, w, options)
         if iterations == 0:
-            _keep(main, True)
-            _keep(rest, True)
+            for part in range(2):
+                _keep(main if part == 0 else rest, True)
             return k
-        _ends(main, 0, w, True)
-        _ends(rest, main.lanes, w, True)
         row = results[k]
-        row[:] = 0.0
+        _zero(row)
         row[ITERATIONS] = iterations
-        w.sums[:] = 0.0
-        w.loss[:] = 0.0
+        _zero(w.sums)
+        _zero(w.loss)
         for part in range(2):
             s = main if part == 0 else rest
+            _ends(s, part * main.lanes, w, True)
             _close(code, s, g, w)
             for lane in range(s.lanes):
                 for c in range(8):
