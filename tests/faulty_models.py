@@ -405,21 +405,27 @@ JOINTS: list[Case] = [
         ("joints 'p', 'q'",),
     ),
     ("a joint on what is held", lambda: static(joined().rigid("b", "c").hinge("a", axis=Y, name="p")), ("joint 'p'",)),
-    ("a node on its own", lambda: static(joined().rigid("b", "c").node("n", Z)), ("node 'n' can move", "support")),
+    (
+        "a node on its own",
+        lambda: static(joined().rigid("b", "c").node("n", Z)),
+        ("nothing is attached to node 'n'", "support"),
+    ),
     (
         "a node on one spring",
         lambda: static(joined().rigid("b", "c").node("n", (3, 0, 0)).spring("d", "n", 1.0)),
-        ("node 'n'", "plane normal to x and rotation about every axis"),
+        ("node 'n'", "translation in the plane normal to x"),
     ),
     (
         "a point that turns without inertia",
-        lambda: dx.simulate(bar().node("n", (2, 0, 0)).point_mass("n", 1.0).spring("b", "n", 1.0), 1.0, 0.1),
-        ("node 'n' moves with neither mass nor stiffness: rotation about every axis",),
+        lambda: dx.simulate(
+            bar().node("n", (2, 0, 0)).point_mass("n", 1.0).spring("b", "n", 1.0).moment("n", Z), 1.0, 0.1
+        ),
+        ("node 'n' has no rotary inertia",),
     ),
     (
         "a node without mass",
         lambda: dx.simulate(bar().node("n", (2, 0, 0)).spherical("b", "n"), 1.0, 0.1),
-        ("node 'n' moves with neither mass nor stiffness",),
+        ("node 'n' has no mass, and nothing says how it turns",),
     ),
 ]  # fmt: skip
 

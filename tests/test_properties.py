@@ -96,7 +96,10 @@ def test_an_element_is_objective_and_its_tangent_and_discrete_gradient_are_exact
 def test_a_flight_keeps_energy_and_momenta(rod: Rod) -> None:
     result = dx.simulate(replace(rod, force=(0.0, 0.0, 0.0)).model(), t_end=2.0, dt=0.1)
     assert result.success
-    assert all(e.claimed and e.value <= 1e-11 for e in result.audit.entries)
+    # a flight of next to no energy has rounding: strains of sixteen digits at EA = 2500, twenty steps
+    assert all(
+        e.claimed and (e.value <= 1e-11 or e.value * float(e.relative_to) <= 1e-15) for e in result.audit.entries
+    )
 
 
 @several

@@ -269,7 +269,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
     groups += joint_groups(model.joints, scheme, names, r0, carried)
-    ends = np.unique(np.concatenate([group.in_pattern.ravel() for group in groups]))
+    ends = np.unique(np.concatenate([np.zeros(0, np.int64), *(group.in_pattern.ravel() for group in groups)]))
     lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
     groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
     joints = tuple(joint.name for joint in model.joints)
