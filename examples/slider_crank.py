@@ -144,7 +144,7 @@ def draw(result: dx.Result, bent: np.ndarray, known: np.ndarray, path: Path) -> 
 
 
 def test_a_stiff_rod_moves_the_slider_as_the_closed_form_and_a_steel_rod_bends_as_a_beam() -> None:
-    found = main()
+    found = main(t_end=0.1)
     assert found["stiff: slider off the closed form / stroke"] <= 1e-9
     assert found["largest bending / length"] > 0.01
     assert found["bending off the linear beam / largest"] <= 0.03
