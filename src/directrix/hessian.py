@@ -13,9 +13,9 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from directrix.kernels.elements import element_tangents
 from directrix.kernels.tables import Tables
 from directrix.newton import Newton
+from directrix.tangents import group_tangents
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -66,17 +66,7 @@ class Hessian:
 
     def matrix(self, x: Array, tables: Tables | None = None, common: Array | None = None) -> csc_matrix:
         """The matrix (free, free) at the state ``x``, with other parameters or scalars if they are given."""
-        newton = self.newton
-        g = newton.globals if common is None else common
-        values: list[Array] = []
-        for k, at in enumerate(self._at):
-            ne, size = at.shape
-            out = np.empty((ne, size, size))
-            element_tangents(newton.tables if tables is None else tables, newton.work, x, g, k, out)
-            w = 1.0 / self.weights[at]
-            out = 0.5 * (out + out.transpose(0, 2, 1)) * w[:, :, None] * w[:, None, :]
-            values.append(out.ravel())
-        return self._gathered(np.concatenate(values))
+        return self.gathered([group_tangents(self.newton, x, k, tables, common=common) for k in range(len(self._at))])
 
     def gathered(self, blocks: list[Array]) -> csc_matrix:
         """The matrix of element blocks (ne, 6 nn, 6 nn), one array a group, as they are."""

@@ -11,8 +11,8 @@ from directrix.errors import ModelError
 from directrix.formulations.attached import BodyElement
 from directrix.joint_groups import redundant
 from directrix.joints import KINDS
-from directrix.kernels.elements import element_tangents
 from directrix.newton import Newton, axial_rates
+from directrix.tangents import group_tangents
 
 Array = NDArray[np.float64]
 
@@ -84,13 +84,11 @@ def _refuse_massless(newton: Newton, x: Array) -> None:
     for k, group in enumerate(disc.groups):
         if not group.names or isinstance(group.element, BodyElement):
             continue
-        ne, nn = group.conn.shape
-        out = np.empty((ne, 6 * nn, 6 * nn))
-        element_tangents(newton.tables, newton.work, x, newton.globals, k, out)
+        out = group_tangents(newton, x, k, symmetric=False)
         for e, nodes in enumerate(group.conn):
             for b, there in enumerate(nodes):
                 for way in np.flatnonzero(where == there):
-                    column = (out[e, :, 6 * b : 6 * b + 6] @ ways[way]).reshape(nn, 6)
+                    column = (out[e, :, 6 * b : 6 * b + 6] @ ways[way]).reshape(-1, 6)
                     for a, here in enumerate(nodes):
                         to = pulls[way, here] if here < n else holds[way, here - n]
                         to += column[a]
@@ -158,9 +156,7 @@ def _constraints(newton: Newton, x: Array) -> tuple[Array, Array]:
     for k, group in enumerate(disc.groups):
         if not group.jointed:
             continue
-        ne, nn = group.conn.shape
-        out = np.empty((ne, 6 * nn, 6 * nn))
-        element_tangents(newton.tables, newton.work, x, newton.globals, k, out)
+        out = group_tangents(newton, x, k, symmetric=False)
         for e, nodes in enumerate(group.conn):
             for a, node in enumerate(nodes[:-1]):
                 gradient[nodes[-1] - n, :, node] += out[e, -6:, 6 * a : 6 * a + 6]

@@ -24,6 +24,11 @@ class Rates(IntEnum):
     DISSIPATIVE = 4
     """(1 + g) ½(v0 + v1) = Δx/Δt on a lumped mass, g = χ2 (|v1| − |v0|)/(|v1| + |v0|)."""
 
+    @property
+    def half(self) -> bool:
+        """True when a step balances at its middle, not at its end."""
+        return self not in (Rates.NONE, Rates.ALPHA)
+
 
 @dataclass(frozen=True)
 class Scheme:

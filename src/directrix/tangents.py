@@ -18,12 +18,20 @@ __all__ = ["group_tangents", "whole_tangent"]
 
 
 def group_tangents(
-    newton: Newton, x: Array, group: int, tables: Tables | None = None, *, symmetric: bool = True
+    newton: Newton,
+    x: Array,
+    group: int,
+    tables: Tables | None = None,
+    *,
+    symmetric: bool = True,
+    common: Array | None = None,
 ) -> Array:
-    """Tangents (ne, 6 nn, 6 nn) of a group of elements; the symmetric part is the Hessian at an equilibrium."""
+    """Tangents (ne, 6 nn, 6 nn) of a group of elements, with other parameters or common scalars if they are given; the
+    symmetric part is the Hessian at an equilibrium."""
     ne, nn = newton.disc.groups[group].conn.shape
     out = np.empty((ne, 6 * nn, 6 * nn))
-    element_tangents(newton.tables if tables is None else tables, newton.work, x, newton.globals, group, out)
+    tables, common = newton.tables if tables is None else tables, newton.globals if common is None else common
+    element_tangents(tables, newton.work, x, common, group, out)
     return 0.5 * (out + out.transpose(0, 2, 1)) if symmetric else out
 
 

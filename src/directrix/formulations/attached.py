@@ -51,7 +51,7 @@ class Attached:
     @property
     def half(self) -> bool:
         """True when the step balances at its middle."""
-        return self.rates not in (Rates.NONE, Rates.ALPHA)
+        return self.rates.half
 
 
 @dataclass(frozen=True)

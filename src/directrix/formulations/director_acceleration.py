@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations.directors import (
+    DirectorElement,
     Rule,
-    audit,
     coordinates,
     elastic_stress,
     flows,
     internal,
     mass_times,
     on_nodes,
-    reference_strains,
     sub6,
 )
 from directrix.formulations.directors import strains as director_strains
-from directrix.formulations.layout import PER_NODE, Coordinates, Layout, Scalar, Vector, points
+from directrix.formulations.layout import PER_NODE, Layout, Scalar, Vector, points
+from directrix.formulations.rotational import columns
 from directrix.formulations.so3 import add, from_body, log, scale, times, transposed
 from directrix.kernels.trace import cross
 
@@ -28,22 +28,12 @@ AT_END = Rule(static=True)
 
 
 @dataclass(frozen=True)
-class DirectorAcceleration:
+class DirectorAcceleration(DirectorElement):
     """Π(d1)ᵀ { M ẍ1 + ∫ Bᵀ(x1) S(x1) dS }, an :class:`Element`.
 
     With q = (Δr, Θ), R1 = R0 exp(Θ): velocity c_v q + v*, acceleration c_a q + a*. In the place of the rates a node
     holds v*, a* (translation), Ω*, A* (rotation, body frame); ``g`` = (c_v, c_a). d̈_i = R1 (Ω×(Ω×d_i⁰) + A×d_i⁰).
     """
-
-    sampled = False
-
-    def rows(self, layout: Layout) -> int:
-        """No history at Gauss points."""
-        return 0
-
-    def reference(self, layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
-        """See :func:`reference_strains`."""
-        return reference_strains(layout, q, inverse_j)
 
     def step(
         self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
@@ -58,7 +48,7 @@ class DirectorAcceleration:
         second: list[list[Vector]] = []
         for a in range(layout.nn):
             y = x[PER_NODE * a : PER_NODE * a + PER_NODE]
-            step, before, after = (y[12:15], _columns(y, 15), _columns(y, 3))
+            step, before, after = (y[12:15], columns(y, 15), columns(y, 3))
             turn = log(times(transposed(before), after))
             omega = add(scale(g[0], turn), y[30:33])
             spin = add(scale(g[1], turn), y[33:36])
@@ -78,17 +68,8 @@ class DirectorAcceleration:
             node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
         return on_nodes(q, total), moving, turning
 
-    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
-        """See :func:`directrix.formulations.directors.audit`; rates are then (ṙ, Ṙ) as everywhere."""
-        d0 = layout.split(p)[0]
-        return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
-
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """See :func:`directrix.formulations.directors.flows`: work with the mean of the stresses at both ends."""
         d0 = layout.split(p)[0]
         q1, q0 = (coordinates(layout, x, d0, first) for first in (0, 12))
         return flows(layout, AT_END, q1, q0, p, g)
-
-
-def _columns(y: Sequence[Scalar], first: int) -> list[Vector]:
-    return [y[first + 3 * c : first + 3 * c + 3] for c in range(3)]

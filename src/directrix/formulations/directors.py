@@ -28,7 +28,7 @@ from directrix.formulations.layout import (
 from directrix.formulations.so3 import add, combine, scale, sub
 from directrix.kernels.trace import cross, dot
 
-__all__ = ["DirectorStep", "Directors", "Rule", "audit", "internal", "place", "residual", "strains"]
+__all__ = ["DirectorElement", "DirectorStep", "Directors", "Rule", "audit", "internal", "place", "residual", "strains"]
 
 
 @dataclass(frozen=True)
@@ -310,11 +310,9 @@ def reference_strains(layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar
     return [strains(q, n, dn, j) for (_, n, dn), j in at]
 
 
-@dataclass(frozen=True)
-class DirectorStep:
-    """The director element under a rule of the midpoint family or in statics (an :class:`Element`)."""
+class DirectorElement:
+    """What elements that interpolate directors share: no history, strains and books of the directors."""
 
-    rule: Rule
     sampled = False
 
     def rows(self, layout: Layout) -> int:
@@ -325,6 +323,18 @@ class DirectorStep:
         """See :func:`reference_strains`."""
         return reference_strains(layout, q, inverse_j)
 
+    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
+        """See :func:`audit`."""
+        d0 = layout.split(p)[0]
+        return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
+
+
+@dataclass(frozen=True)
+class DirectorStep(DirectorElement):
+    """The director element under a rule of the midpoint family or in statics (an :class:`Element`)."""
+
+    rule: Rule
+
     def step(
         self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
     ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
@@ -333,11 +343,6 @@ class DirectorStep:
         q1, q0, v0 = (coordinates(layout, x, d0, first) for first in (0, 12, 24))
         out = residual(layout, self.rule, q1, q0, v0, p, g)
         return out, [(a[0], b[0]) for a, b in zip(q1, q0, strict=True)], [a[1:] for a in q1]
-
-    def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
-        """See :func:`audit`."""
-        d0 = layout.split(p)[0]
-        return audit(layout, coordinates(layout, x, d0, 0), coordinates(layout, x, d0, 24), p)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """See :func:`flows`."""

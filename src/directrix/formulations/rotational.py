@@ -12,7 +12,8 @@ from directrix.formulations.so3 import Columns, add, from_body, scale, sub, to_b
 from directrix.kernels.trace import cross, dot
 
 __all__ = [
-    "Node", "Section", "as_rows", "balance", "books", "frame", "nodes", "row", "slope", "spin_momentum", "strain",
+    "Node", "Section", "as_rows", "balance", "books", "columns", "frame", "nodes", "row", "slope", "spin_momentum",
+    "strain",
 ]  # fmt: skip
 
 
@@ -34,7 +35,8 @@ class Section(NamedTuple):
     curvature: Vector
 
 
-def _columns(x: Sequence[Scalar], first: int) -> Columns:
+def columns(x: Sequence[Scalar], first: int) -> Columns:
+    """The three columns of a rotation whose nine values begin at ``first``."""
     return [x[first + 3 * c : first + 3 * c + 3] for c in range(3)]
 
 
@@ -43,8 +45,8 @@ def nodes(layout: Layout, x: Sequence[Scalar]) -> list[Node]:
     at = range(0, PER_NODE * layout.nn, PER_NODE)
     return [
         Node(
-            x[i : i + 3], _columns(x, i + 3), x[i + 12 : i + 15], _columns(x, i + 15), x[i + 24 : i + 27],
-            _columns(x, i + 27),
+            x[i : i + 3], columns(x, i + 3), x[i + 12 : i + 15], columns(x, i + 15), x[i + 24 : i + 27],
+            columns(x, i + 27),
         )
         for i in at
     ]  # fmt: skip
@@ -53,7 +55,7 @@ def nodes(layout: Layout, x: Sequence[Scalar]) -> list[Node]:
 def row(layout: Layout, x: Sequence[Scalar], k: int) -> Section:
     """Row ``k`` of the history: frame (9), curvature (3)."""
     first = PER_NODE * (layout.nn + k)
-    return Section(_columns(x, first), x[first + 9 : first + HISTORY])
+    return Section(columns(x, first), x[first + 9 : first + HISTORY])
 
 
 def as_rows(sections: Sequence[Section]) -> list[Scalar]:

@@ -25,7 +25,7 @@ from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
 from directrix.kernels.elimination import elimination_address
-from directrix.scheme import Rates, Scheme
+from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -160,7 +160,7 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         pattern.diagonal,
         pattern.dest,
         int(scheme.rates),
-        scheme.rates not in (Rates.NONE, Rates.ALPHA),
+        scheme.rates.half,
         scheme.static and any(g.element.rows(g.layout) for g in disc.groups),
         any(g.inside and g.condensed for g in disc.groups),
         disc.nodes,
