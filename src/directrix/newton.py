@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import number
+from directrix.checks import number, whole
 from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
 from directrix.drives import Driver
@@ -36,15 +36,18 @@ class Settings:
 
     ``tolerance``: unbalanced force (moment) over the largest element force (moment), never below round-off;
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
-    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley".
+    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``threads`` that
+    share the solution of a frame.
     """
 
     tolerance: float = 1e-9
     iterations: int = 50
     largest_turn: float = 0.3
     rotation: str = "exponential"
+    threads: int = 1
 
     def __post_init__(self) -> None:
+        whole(self.threads, "threads", 1, 1024)
         if not 0.0 < number(self.tolerance, "tolerance") < 1.0:
             raise ModelError(
                 f"tolerance = {self.tolerance} is not a relative tolerance",
@@ -127,7 +130,8 @@ class Newton:
     def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
         if self._sparse is None:
-            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+            pattern = self.disc.pattern
+            self._sparse = Condensed(pattern.rowptr, pattern.column, self.settings.threads)
         return self._sparse
 
     def _look_around(self, x: Array) -> None:

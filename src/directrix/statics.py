@@ -48,6 +48,7 @@ def solve_static(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    threads: int = 1,
     rotation: str = "exponential",
     stability: bool | None = None,
     progress: Progress | None = None,
@@ -78,6 +79,8 @@ def solve_static(
         Keep every so many parts; the last one is always kept.
     tolerance
         Unbalanced over largest element force at which a state is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
     rotation
         Update of the rotations in an iteration, "exponential" or "cayley"; both reach the same state.
     stability
@@ -115,7 +118,7 @@ def solve_static(
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    settings = Settings(tolerance, rotation=rotation)
+    settings = Settings(tolerance, rotation=rotation, threads=threads)
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
