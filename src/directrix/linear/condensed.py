@@ -3,23 +3,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.kernels import fronts, struts
+from directrix.linear.conformance import LinearSolver
 from directrix.linear.multifrontal import Multifrontal
 from directrix.linear.sparse import BlockSparse
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Condensed"]
+__all__ = ["Condensed", "Make", "usual"]
 
 MANY = 64
 """From so many junctions on fronts are quicker than SuperLU."""
+
+
+Make = Callable[[Ints, Ints, Ints], LinearSolver]
+
+
+def usual(threads: int = 1) -> Make:
+    """The solvers that need nothing but SciPy."""
+    return lambda rowptr, column, rows: (
+        Multifrontal(rowptr, column, threads) if len(rows) >= MANY else BlockSparse(rowptr, column)
+    )
 
 
 class Condensed:
@@ -33,11 +44,12 @@ class Condensed:
     ----------
     rowptr, column
         As for :class:`BlockSparse`.
-    threads
-        As for :class:`Multifrontal`.
+    make
+        Makes the solver for the junctions from their pattern and their rows in the whole; by default
+        :class:`Multifrontal` for many, :class:`BlockSparse` for a few.
     """
 
-    def __init__(self, rowptr: Ints, column: Ints, threads: int = 1) -> None:
+    def __init__(self, rowptr: Ints, column: Ints, make: Make | None = None) -> None:
         self.rowptr, self.column = rowptr, column
         n = len(rowptr) - 1
         place: list[dict[int, int]] = [
@@ -72,8 +84,7 @@ class Condensed:
         self.ends = _pairs((chain[0], chain[-1]) for chain in chains)
         self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64).reshape(-1, 4)
         self.kept = np.zeros((len(inner), 6, 13))
-        small = self.small_ptr, np.array(small_column, np.int64)
-        self.small = Multifrontal(*small, threads) if len(junctions) >= MANY else BlockSparse(*small)
+        self.small = (make or usual())(self.small_ptr, np.array(small_column, np.int64), self.junctions)
 
     @cached_property
     def plain(self) -> BlockSparse:
@@ -82,7 +93,7 @@ class Condensed:
 
     def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
         """See :meth:`BlockSparse.solve`."""
-        if self.usable and not at_limit and (rhs.ndim == 2 or isinstance(self.small, Multifrontal)):
+        if self.usable and not at_limit and (rhs.ndim == 2 or not isinstance(self.small, BlockSparse)):
             found = [self._condensed(blocks, b) for b in rhs.reshape(-1, *rhs.shape[-2:])]
             if all(x is not None for x in found):
                 return np.array(found).reshape(rhs.shape)
