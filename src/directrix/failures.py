@@ -83,7 +83,7 @@ def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
     vector = scale * (q @ vectors[:, nearest])
     shape = np.zeros(disc.held.size)
     shape[free] = vector
-    relaxed = whole_tangent(newton, x, newton.tables._replace(par=_without_stress(newton, x)))
+    relaxed = whole_tangent(newton, x, newton.tables.replaced(par=_without_stress(newton, x)))
     share = float(shape @ (whole_tangent(newton, x) @ shape)) / max(float(shape @ (relaxed @ shape)), 1e-300)
     share = share if abs(values[nearest]) > NOTHING else 0.0
     out = shape.reshape(-1, 6)[: disc.nodes]

@@ -20,6 +20,7 @@ from directrix.kernels import strips as kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.elimination import elimination_address
 from directrix.kernels.lanes import lane_address
+from directrix.kernels.record import Record
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
@@ -32,7 +33,7 @@ FEWEST = 40
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
-class Strip(NamedTuple):
+class Strip(Record):
     """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element.
 
     See :mod:`directrix.kernels.strips`."""
@@ -62,7 +63,7 @@ class Strip(NamedTuple):
     turn: Array
 
 
-class Joints(NamedTuple):
+class Joints(Record):
     """The nodes where parts meet, and what all parts share."""
 
     eliminate: int

@@ -41,15 +41,13 @@ def _tangent(code, s, g, frozen):
     small = s.small
     for e in range(s.elements):
         at = e * s.stride
-        call_lanes(code[STEP], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        call_lanes(code[STEP], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
         if s.stride == 2:
             middle = (at + 1) * SIX
             if frozen:
-                call_lanes(
-                    code[CONDENSE_HOLD], (s.out, s.load, s.within, small, s.still), (0, middle, e * R, 0, middle)
-                )
+                call_lanes(code[CONDENSE_HOLD], s.out, 0, s.load, middle, s.within, e * R, small, 0, s.still, middle)
             else:
-                call_lanes(code[CONDENSE], (s.out, s.load, s.within, small), (0, middle, e * R, 0))
+                call_lanes(code[CONDENSE], s.out, 0, s.load, middle, s.within, e * R, small, 0)
         if e == 0:
             # D, F, G of the next node are BB, BA, AB; b the force on it
             for k in range(36 * LANES):
@@ -61,11 +59,11 @@ def _tangent(code, s, g, frozen):
                 s.carry[108 * LANES + k] = -small[SIX + k]
                 s.carry[156 * LANES + k] = -small[k]
         elif frozen:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.still), (0, 0, at * SIX, e * R, at * SIX))
+            call_lanes(code[HOLD], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R, s.still, at * SIX)
         elif s.held[e]:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.free), (0, 0, at * SIX, e * R, at * SIX))
+            call_lanes(code[HOLD], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R, s.free, at * SIX)
         else:
-            call_lanes(code[ELIMINATE], (small, s.carry, s.load, s.row), (0, 0, at * SIX, e * R))
+            call_lanes(code[ELIMINATE], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R)
 
 
 @inner
@@ -73,12 +71,12 @@ def _again(code, s):
     """``s.res`` through the rows that are there."""
     last = s.elements * s.stride * SIX
     for e in range(s.elements if s.stride == 2 else 0):
-        call_lanes(code[INSIDE], (s.within, s.res), (e * R, 2 * e * SIX))
+        call_lanes(code[INSIDE], s.within, e * R, s.res, 2 * e * SIX)
     for k in range(SIX):
         s.carry[108 * LANES + k] = 0.0
         s.carry[156 * LANES + k] = s.res[k]
     for e in range(1, s.elements):
-        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * s.stride * SIX, 0))
+        call_lanes(code[FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
     for k in range(SIX):
         s.carry[108 * LANES + k] += s.res[last + k]
 
@@ -141,21 +139,19 @@ def _back(code, s, first, w):
             s.du[last + i * LANES + lane] = w.du[a + 1, i] if s.lanes else 0.0
     if s.lanes == 0:
         return
-    call_lanes(code[MEASURE], (s.du, w.size), (0, 0))
-    call_lanes(code[MEASURE], (s.du, w.size), (last, 0))
+    call_lanes(code[MEASURE], s.du, 0, w.size, 0)
+    call_lanes(code[MEASURE], s.du, last, w.size, 0)
     for e in range(s.elements - 1, 0, -1):
-        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * step, 0, e * step, 0))
+        call_lanes(code[BACKWARD], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
         at = e * step
-        call_lanes(
-            code[BACKWARD], (s.within, s.du, s.du, s.du, w.size), (e * R, at + step, at, at + SIX, 0)
-        )  # fmt: skip
+        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip
 
 
 @inner
 def _move(code, s, scale):
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
-        call_lanes(code[MOVE], (s.x, s.du, scale), (node * X, node * SIX, 0))
+        call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
 
 
 @inner
@@ -167,15 +163,15 @@ def _balance(code, s, first, g, w):
         s.f[k] = 0.0
     for e in range(s.elements):
         at = e * s.stride
-        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
         if e == 0:
             for lane in range(s.lanes):
                 for i in range(6):
                     w.res[first + lane, i] -= s.out[i * LANES + lane]
-            call_lanes(code[BALANCE], (s.out, s.f, s.first_load, s.first_free, s.res, w.most), (0, 0, 0, 0, 0, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, w.most, 0)
         else:
             to = at * SIX
-            call_lanes(code[BALANCE], (s.out, s.f, s.load, s.free, s.res, w.most), (0, 0, to, to, to, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
     for lane in range(s.lanes):
         for i in range(6):
             w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
@@ -278,16 +274,11 @@ def _keep(s, back):
 def _close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
-        call_lanes(
-            code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
-            (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
-        )  # fmt: skip
+        call_lanes(code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES, g, 0, w.sums, 0)  # fmt: skip
     _zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
-            code[AUDIT],
-            (s.x, s.p, w.books, s.turn, w.loss),
-            (e * s.stride * X, e * s.parameters * LANES, 0, e * LANES, 0),
+            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
         )
 
 
