@@ -274,7 +274,10 @@ def _keep(s, back):
 def _close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
-        call_lanes(code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES, g, 0, w.sums, 0)  # fmt: skip
+        call_lanes(
+            code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
+            g, 0, w.sums, 0,
+        )  # fmt: skip
     _zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(

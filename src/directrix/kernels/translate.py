@@ -130,7 +130,7 @@ class Translation:
             result = None
             while True:
                 body = Body(self, function, kinds, dict(variables), result)
-                text = body.translated(f"f{len(self.done)}")
+                body.translated(f"f{len(self.done)}")
                 if body.variables == variables and body.result == result:
                     break
                 variables, result = body.variables, body.result
