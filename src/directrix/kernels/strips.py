@@ -17,9 +17,14 @@ from directrix.kernels.rows import NODE, ROW
 __all__ = ["pack", "run", "unpack"]
 
 (
-    STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, CONDENSE, CONDENSE_HOLD,
-    INSIDE,
-) = range(14)  # fmt: skip
+    TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, TIMES, MINUS,
+    ADD, LESS, FROM, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
+) = range(21)  # fmt: skip
+BLOCK = 36 * LANES
+# blocks of a row: D⁻¹, L, G, P, Q
+LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK
+# parts of the carry
+COLUMN, ROW_G, RHS, OWN, OWN_RHS = BLOCK, 2 * BLOCK, 108 * LANES, 120 * LANES, 156 * LANES
 SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
@@ -36,34 +41,88 @@ def _zero(values):
 
 
 @inner
+def _element(code, s, e, g):
+    """Forces and tangent of element ``e`` of all lanes into ``s.out``."""
+    out, nn = s.out, s.stride + 1
+    call_lanes(code[TANGENT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, g, 0, out, 0)
+    blocks = nn * SIX
+    for point in range(s.points):
+        left = blocks + (nn * nn + 2 * nn * point) * BLOCK
+        for b in range(nn):
+            for a in range(nn):
+                to = blocks + (nn * b + a) * BLOCK
+                call_lanes(code[ADD], out, left + a * BLOCK, out, left + (nn + b) * BLOCK, out, to)
+
+
+@inner
+def _middle(code, s, e, frozen):
+    """Eliminate the middle node of an element of three: what is left in ``s.small`` is an element of two."""
+    out, row, small, at, middle = s.out, s.within, s.small, e * R, (2 * e + 1) * SIX
+    if frozen:
+        call_lanes(code[MIDDLE_HOLD], out, 0, s.load, middle, row, at, s.still, middle)
+    else:
+        call_lanes(code[MIDDLE], out, 0, s.load, middle, row, at)
+    first, last = 3 * SIX + BLOCK, 3 * SIX + 7 * BLOCK  # what the middle feels of the ends
+    call_lanes(code[TIMES], row, at, out, last, row, at + UP)
+    call_lanes(code[TIMES], row, at, out, first, row, at + BACK)
+    for b in range(2):
+        for a in range(2):
+            left, right, to = LOW if a else FIRST, UP if b else BACK, 2 * SIX + (2 * b + a) * BLOCK
+            start = 3 * SIX + (6 * b + 2 * a) * BLOCK
+            call_lanes(code[FROM], row, at + left, row, at + right, out, start, small, to)
+    call_lanes(code[MIDDLE_ON], row, at, out, 0, small, 0)
+
+
+@inner
+def _start(s):
+    """The first row of a strip is solved for last: what it has to do with the second, into ``s.carry``."""
+    small, carry = s.small, s.carry
+    aa, ba, ab, bb = 2 * SIX, 2 * SIX + BLOCK, 2 * SIX + 2 * BLOCK, 2 * SIX + 3 * BLOCK
+    # D, F, G of the next node are BB, BA, AB; b the force on it
+    for k in range(BLOCK):
+        carry[k] = small[bb + k]
+        carry[COLUMN + k] = small[ba + k]
+        carry[ROW_G + k] = small[ab + k]
+        s.row[R + FIRST + k] = small[ab + k]
+        carry[OWN + k] = small[aa + k]
+    for k in range(SIX):
+        carry[RHS + k] = -small[SIX + k]
+        carry[OWN_RHS + k] = -small[k]
+
+
+@inner
+def _eliminate(code, s, e, frozen):
+    """Eliminate the first node of element ``e``."""
+    small, row, carry, at, node = s.small, s.row, s.carry, e * R, e * s.stride * SIX
+    if frozen:
+        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.still, node)
+    elif s.held[e]:
+        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.free, node)
+    else:
+        call_lanes(code[PIVOT], small, 0, carry, 0, s.load, node, row, at)
+    call_lanes(code[TIMES], row, at, small, 2 * SIX + 2 * BLOCK, row, at + UP)
+    call_lanes(code[TIMES], row, at, carry, COLUMN, row, at + BACK)
+    call_lanes(code[FROM], row, at + LOW, row, at + UP, small, 2 * SIX + 3 * BLOCK, carry, 0)
+    call_lanes(code[MINUS], row, at + LOW, row, at + BACK, carry, COLUMN)
+    call_lanes(code[LESS], row, at + FIRST, row, at + BACK, carry, OWN)
+    if e < s.elements - 1:
+        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, row, at + R + FIRST)
+    else:
+        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, carry, ROW_G)
+    call_lanes(code[PASS_ON], row, at, small, 0, carry, 0)
+
+
+@inner
 def _tangent(code, s, g, frozen):
     """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
-    small = s.small
     for e in range(s.elements):
-        at = e * s.stride
-        call_lanes(code[STEP], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
+        _element(code, s, e, g)
         if s.stride == 2:
-            middle = (at + 1) * SIX
-            if frozen:
-                call_lanes(code[CONDENSE_HOLD], s.out, 0, s.load, middle, s.within, e * R, small, 0, s.still, middle)
-            else:
-                call_lanes(code[CONDENSE], s.out, 0, s.load, middle, s.within, e * R, small, 0)
+            _middle(code, s, e, frozen)
         if e == 0:
-            # D, F, G of the next node are BB, BA, AB; b the force on it
-            for k in range(36 * LANES):
-                s.carry[k] = small[120 * LANES + k]
-                s.carry[36 * LANES + k] = small[48 * LANES + k]
-                s.carry[72 * LANES + k] = small[84 * LANES + k]
-                s.carry[120 * LANES + k] = small[12 * LANES + k]
-            for k in range(SIX):
-                s.carry[108 * LANES + k] = -small[SIX + k]
-                s.carry[156 * LANES + k] = -small[k]
-        elif frozen:
-            call_lanes(code[HOLD], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R, s.still, at * SIX)
-        elif s.held[e]:
-            call_lanes(code[HOLD], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R, s.free, at * SIX)
+            _start(s)
         else:
-            call_lanes(code[ELIMINATE], small, 0, s.carry, 0, s.load, at * SIX, s.row, e * R)
+            _eliminate(code, s, e, frozen)
 
 
 @inner
