@@ -17,9 +17,14 @@ from directrix.kernels.rows import NODE, ROW
 __all__ = ["pack", "run", "unpack"]
 
 (
-    STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, CONDENSE, CONDENSE_HOLD,
-    INSIDE,
-) = range(14)  # fmt: skip
+    TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, TIMES, MINUS,
+    ADD, LESS, FROM, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
+) = range(21)  # fmt: skip
+BLOCK = 36 * LANES
+# blocks of a row: D⁻¹, L, G, P, Q
+LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK
+# parts of the carry
+COLUMN, ROW_G, RHS, OWN, OWN_RHS = BLOCK, 2 * BLOCK, 108 * LANES, 120 * LANES, 156 * LANES
 SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
@@ -36,36 +41,88 @@ def _zero(values):
 
 
 @inner
+def _element(code, s, e, g):
+    """Forces and tangent of element ``e`` of all lanes into ``s.out``."""
+    out, nn = s.out, s.stride + 1
+    call_lanes(code[TANGENT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, g, 0, out, 0)
+    blocks = nn * SIX
+    for point in range(s.points):
+        left = blocks + (nn * nn + 2 * nn * point) * BLOCK
+        for b in range(nn):
+            for a in range(nn):
+                to = blocks + (nn * b + a) * BLOCK
+                call_lanes(code[ADD], out, left + a * BLOCK, out, left + (nn + b) * BLOCK, out, to)
+
+
+@inner
+def _middle(code, s, e, frozen):
+    """Eliminate the middle node of an element of three: what is left in ``s.small`` is an element of two."""
+    out, row, small, at, middle = s.out, s.within, s.small, e * R, (2 * e + 1) * SIX
+    if frozen:
+        call_lanes(code[MIDDLE_HOLD], out, 0, s.load, middle, row, at, s.still, middle)
+    else:
+        call_lanes(code[MIDDLE], out, 0, s.load, middle, row, at)
+    first, last = 3 * SIX + BLOCK, 3 * SIX + 7 * BLOCK  # what the middle feels of the ends
+    call_lanes(code[TIMES], row, at, out, last, row, at + UP)
+    call_lanes(code[TIMES], row, at, out, first, row, at + BACK)
+    for b in range(2):
+        for a in range(2):
+            left, right, to = LOW if a else FIRST, UP if b else BACK, 2 * SIX + (2 * b + a) * BLOCK
+            start = 3 * SIX + (6 * b + 2 * a) * BLOCK
+            call_lanes(code[FROM], row, at + left, row, at + right, out, start, small, to)
+    call_lanes(code[MIDDLE_ON], row, at, out, 0, small, 0)
+
+
+@inner
+def _start(s):
+    """The first row of a strip is solved for last: what it has to do with the second, into ``s.carry``."""
+    small, carry = s.small, s.carry
+    aa, ba, ab, bb = 2 * SIX, 2 * SIX + BLOCK, 2 * SIX + 2 * BLOCK, 2 * SIX + 3 * BLOCK
+    # D, F, G of the next node are BB, BA, AB; b the force on it
+    for k in range(BLOCK):
+        carry[k] = small[bb + k]
+        carry[COLUMN + k] = small[ba + k]
+        carry[ROW_G + k] = small[ab + k]
+        s.row[R + FIRST + k] = small[ab + k]
+        carry[OWN + k] = small[aa + k]
+    for k in range(SIX):
+        carry[RHS + k] = -small[SIX + k]
+        carry[OWN_RHS + k] = -small[k]
+
+
+@inner
+def _eliminate(code, s, e, frozen):
+    """Eliminate the first node of element ``e``."""
+    small, row, carry, at, node = s.small, s.row, s.carry, e * R, e * s.stride * SIX
+    if frozen:
+        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.still, node)
+    elif s.held[e]:
+        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.free, node)
+    else:
+        call_lanes(code[PIVOT], small, 0, carry, 0, s.load, node, row, at)
+    call_lanes(code[TIMES], row, at, small, 2 * SIX + 2 * BLOCK, row, at + UP)
+    call_lanes(code[TIMES], row, at, carry, COLUMN, row, at + BACK)
+    call_lanes(code[FROM], row, at + LOW, row, at + UP, small, 2 * SIX + 3 * BLOCK, carry, 0)
+    call_lanes(code[MINUS], row, at + LOW, row, at + BACK, carry, COLUMN)
+    call_lanes(code[LESS], row, at + FIRST, row, at + BACK, carry, OWN)
+    if e < s.elements - 1:
+        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, row, at + R + FIRST)
+    else:
+        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, carry, ROW_G)
+    call_lanes(code[PASS_ON], row, at, small, 0, carry, 0)
+
+
+@inner
 def _tangent(code, s, g, frozen):
     """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
-    small = s.small
     for e in range(s.elements):
-        at = e * s.stride
-        call_lanes(code[STEP], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        _element(code, s, e, g)
         if s.stride == 2:
-            middle = (at + 1) * SIX
-            if frozen:
-                call_lanes(
-                    code[CONDENSE_HOLD], (s.out, s.load, s.within, small, s.still), (0, middle, e * R, 0, middle)
-                )
-            else:
-                call_lanes(code[CONDENSE], (s.out, s.load, s.within, small), (0, middle, e * R, 0))
+            _middle(code, s, e, frozen)
         if e == 0:
-            # D, F, G of the next node are BB, BA, AB; b the force on it
-            for k in range(36 * LANES):
-                s.carry[k] = small[120 * LANES + k]
-                s.carry[36 * LANES + k] = small[48 * LANES + k]
-                s.carry[72 * LANES + k] = small[84 * LANES + k]
-                s.carry[120 * LANES + k] = small[12 * LANES + k]
-            for k in range(SIX):
-                s.carry[108 * LANES + k] = -small[SIX + k]
-                s.carry[156 * LANES + k] = -small[k]
-        elif frozen:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.still), (0, 0, at * SIX, e * R, at * SIX))
-        elif s.held[e]:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.free), (0, 0, at * SIX, e * R, at * SIX))
+            _start(s)
         else:
-            call_lanes(code[ELIMINATE], (small, s.carry, s.load, s.row), (0, 0, at * SIX, e * R))
+            _eliminate(code, s, e, frozen)
 
 
 @inner
@@ -73,12 +130,12 @@ def _again(code, s):
     """``s.res`` through the rows that are there."""
     last = s.elements * s.stride * SIX
     for e in range(s.elements if s.stride == 2 else 0):
-        call_lanes(code[INSIDE], (s.within, s.res), (e * R, 2 * e * SIX))
+        call_lanes(code[INSIDE], s.within, e * R, s.res, 2 * e * SIX)
     for k in range(SIX):
         s.carry[108 * LANES + k] = 0.0
         s.carry[156 * LANES + k] = s.res[k]
     for e in range(1, s.elements):
-        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * s.stride * SIX, 0))
+        call_lanes(code[FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
     for k in range(SIX):
         s.carry[108 * LANES + k] += s.res[last + k]
 
@@ -141,21 +198,19 @@ def _back(code, s, first, w):
             s.du[last + i * LANES + lane] = w.du[a + 1, i] if s.lanes else 0.0
     if s.lanes == 0:
         return
-    call_lanes(code[MEASURE], (s.du, w.size), (0, 0))
-    call_lanes(code[MEASURE], (s.du, w.size), (last, 0))
+    call_lanes(code[MEASURE], s.du, 0, w.size, 0)
+    call_lanes(code[MEASURE], s.du, last, w.size, 0)
     for e in range(s.elements - 1, 0, -1):
-        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * step, 0, e * step, 0))
+        call_lanes(code[BACKWARD], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
         at = e * step
-        call_lanes(
-            code[BACKWARD], (s.within, s.du, s.du, s.du, w.size), (e * R, at + step, at, at + SIX, 0)
-        )  # fmt: skip
+        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip
 
 
 @inner
 def _move(code, s, scale):
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
-        call_lanes(code[MOVE], (s.x, s.du, scale), (node * X, node * SIX, 0))
+        call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
 
 
 @inner
@@ -167,15 +222,15 @@ def _balance(code, s, first, g, w):
         s.f[k] = 0.0
     for e in range(s.elements):
         at = e * s.stride
-        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
         if e == 0:
             for lane in range(s.lanes):
                 for i in range(6):
                     w.res[first + lane, i] -= s.out[i * LANES + lane]
-            call_lanes(code[BALANCE], (s.out, s.f, s.first_load, s.first_free, s.res, w.most), (0, 0, 0, 0, 0, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, w.most, 0)
         else:
             to = at * SIX
-            call_lanes(code[BALANCE], (s.out, s.f, s.load, s.free, s.res, w.most), (0, 0, to, to, to, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
     for lane in range(s.lanes):
         for i in range(6):
             w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
@@ -279,15 +334,13 @@ def _close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(
-            code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
-            (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
+            code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
+            g, 0, w.sums, 0,
         )  # fmt: skip
     _zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
-            code[AUDIT],
-            (s.x, s.p, w.books, s.turn, w.loss),
-            (e * s.stride * X, e * s.parameters * LANES, 0, e * LANES, 0),
+            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
         )
 
 
