@@ -22,6 +22,7 @@ from directrix.kernels.compile import LANES
 from directrix.kernels.elimination import elimination_address
 from directrix.kernels.lanes import Code, lane_address
 from directrix.kernels.record import Record
+from directrix.kernels.strip_elimination import BATCH
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
@@ -241,7 +242,7 @@ def _part(
 
     nn = stride + 1
     results = 6 * nn + 36 * nn * nn + 72 * nn * points
-    out = lane(results, min(many, kernel.BATCH))
+    out = lane(results, min(many, BATCH))
     strip = Strip(
         many, lanes, stride, points, results, p.shape[1],
         x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1).ravel()), load=lane(6, len(nodes)),
@@ -275,7 +276,7 @@ def _joints(fixed: NDArray[np.uint8]) -> Joints:
 
 
 def _code(group: Group, aligned: bool) -> Ints:
-    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strips`."""
+    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strip_elimination`."""
     element, layout = group.element, group.layout
     about = f"{layout} {element} {aligned}"
     three = layout.nn > 2
