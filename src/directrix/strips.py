@@ -22,6 +22,7 @@ from directrix.kernels.compile import LANES
 from directrix.kernels.elimination import elimination_address
 from directrix.kernels.lanes import Code, lane_address
 from directrix.kernels.record import Record
+from directrix.kernels.strip_elimination import BATCH
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ class Strip(Record):
     lanes: int
     stride: int
     points: int
+    results: int
     parameters: int
     x: Array
     p: Array
@@ -58,6 +60,7 @@ class Strip(Record):
     out: Array
     small: Array
     carry: Array
+    none: Array
     res: Array
     f: Array
     du: Array
@@ -238,14 +241,17 @@ def _part(
         return _aligned(np.zeros(count * values * LANES))
 
     nn = stride + 1
-    out = lane(6 * nn + 36 * nn * nn + 72 * nn * points)
+    results = 6 * nn + 36 * nn * nn + 72 * nn * points
+    out = lane(results, min(many, BATCH))
     strip = Strip(
-        many, lanes, stride, points, p.shape[1],
+        many, lanes, stride, points, results, p.shape[1],
         x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1).ravel()), load=lane(6, len(nodes)),
-        first_load=lane(6, stride), free=_aligned(free.ravel()), first_free=first_free.ravel(), still=_aligned(still.ravel()),
+        first_load=lane(6, stride), free=_aligned(free.ravel()), first_free=first_free.ravel(),
+        still=_aligned(still.ravel()),
         held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
         within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
-        carry=lane(rows.CARRY), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)), start=lane(3, len(nodes)),
+        carry=lane(rows.CARRY), none=lane(36), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)),
+        start=lane(3, len(nodes)),
         turn=np.full(many * LANES, -3.0),
     )  # fmt: skip
     return Part(strip, nodes, order[members])
@@ -270,7 +276,7 @@ def _joints(fixed: NDArray[np.uint8]) -> Joints:
 
 
 def _code(group: Group, aligned: bool) -> Ints:
-    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strips`."""
+    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strip_elimination`."""
     element, layout = group.element, group.layout
     about = f"{layout} {element} {aligned}"
     three = layout.nn > 2
@@ -287,11 +293,8 @@ def _code(group: Group, aligned: bool) -> Ints:
         ("move", rows.move),
         (f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
         ("finish", rows.finish),
-        ("times", lambda: rows.product(None, 1)),
-        ("minus", lambda: rows.product(None)),
-        ("add", lambda: rows.product("c", 1)),
-        ("less", lambda: rows.product("c")),
-        ("from", lambda: rows.product("start")),
+        ("add", lambda: rows.product(1)),
+        ("less", lambda: rows.product(-1)),
     ]
     middle: list[tuple[str, Callable[[], Code]]] = [
         ("middle", lambda: rows.pivot(masked=False, inner=False)),

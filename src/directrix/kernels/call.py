@@ -8,26 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from directrix.kernels.translate import Body, Emitted, Value
+from directrix.kernels.expressions import Emitted, Expressions
+from directrix.kernels.kinds import Value
 
 __all__ = ["FACTORS", "add_block", "call_elimination", "call_kernel", "call_lanes"]
 
 FACTORS = 56  # what the elimination leaves of a row
 
 
-def _from(body: Body, array: Value, first: Value | str) -> str:
+def _from(body: Expressions, array: Value, first: Value | str) -> str:
     """Address of a number of an array."""
     place = first if isinstance(first, str) else first.parts[0]
     item = "i64" if array.kind.item == "i8" else "double"
     return body.put(f"getelementptr inbounds {item}, ptr {array.parts[0]}, i64 {place}")
 
 
-def _run(body: Body, address: Value, pointers: Sequence[str]) -> None:
+def _run(body: Expressions, address: Value, pointers: Sequence[str]) -> None:
     function = body.put(f"inttoptr i64 {address.parts[0]} to ptr")
     body.lines.append(f"call void {function}({', '.join(f'ptr {p}' for p in pointers)})")
 
 
-def _kernel(body: Body, given: Sequence[Value]) -> None:
+def _kernel(body: Expressions, given: Sequence[Value]) -> None:
     address, x, at, first_at, p, first_p, g, out = given
     pointers = x.parts[0], _from(body, at, first_at), _from(body, p, first_p), g.parts[0], out.parts[0]
     _run(body, address, pointers)
@@ -37,7 +38,7 @@ call_kernel = Emitted(_kernel)
 """(address, x, at, first_at, p, first_p, g, out): run an element kernel on (x, at[first_at:], p[first_p:], g, out)."""
 
 
-def _elimination(body: Body, given: Sequence[Value]) -> None:
+def _elimination(body: Expressions, given: Sequence[Value]) -> None:
     address, blocks, block, rhs, row, factors, factor = given
     out = _from(body, factors, factor)
     before = body.put(f"getelementptr inbounds double, ptr {out}, i64 {-FACTORS}")
@@ -49,7 +50,7 @@ call_elimination = Emitted(_elimination)
 rhs[row:] and factors[factor:]."""
 
 
-def _lanes(body: Body, given: Sequence[Value]) -> None:
+def _lanes(body: Expressions, given: Sequence[Value]) -> None:
     _run(body, given[0], [_from(body, array, first) for array, first in zip(given[1::2], given[2::2], strict=True)])
 
 
@@ -57,7 +58,7 @@ call_lanes = Emitted(_lanes)
 """(address, array, first, array, first, …): run a function of :mod:`directrix.kernels.lanes` on each array[first:]."""
 
 
-def _add(body: Body, given: Sequence[Value]) -> None:
+def _add(body: Expressions, given: Sequence[Value]) -> None:
     to, at, values, first = given
     target, source = _from(body, to, at), _from(body, values, first)
     sums: list[tuple[str, str, str]] = []

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from directrix.kernels.compile import text_address
+from directrix.kernels.kinds import Array
 from directrix.kernels.record import Record
-from directrix.kernels.translate import Array, Translation, kind_of
+from directrix.kernels.translate import Translation, kind_of
 
 __all__ = ["compiled", "inner"]
 

@@ -43,6 +43,8 @@ class Code(NamedTuple):
     tile: int = 0
     """So many results are computed and stored at a time, in the order of recording and with inputs read anew. Of an
     array that is read and written, a tile must read none that was stored before it."""
+    may_be_one: Sequence[str] = ()
+    """Arrays of which some may be one and the same."""
 
 
 def in_time(graph: Graph, indices: Sequence[int]) -> list[int]:
@@ -62,7 +64,7 @@ def in_time(graph: Graph, indices: Sequence[int]) -> list[int]:
 def lane_ir(code: Code, name: str) -> str:
     """LLVM text of a function."""
     graph, stores = code.graph, code.stores
-    arguments = ", ".join(f"ptr noalias %{array}" for array in code.arrays)
+    arguments = ", ".join(f"ptr {'' if a in code.may_be_one else 'noalias '}%{a}" for a in code.arrays)
     lines = [f"define void @{name}({arguments}) {{"]
     text: dict[int, str] = {}
     instruction = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
@@ -106,7 +108,7 @@ def lane_ir(code: Code, name: str) -> str:
 
     order = needed(graph, [store.value for store in stores])
     both = {a for index in order for op, a, _ in [graph.ops[index]] if op == "in" and a in written}
-    done: set[int] = set()
+    done: set[int] = set()  # what is computed and kept
     if code.recorded:
         compute(in_time(graph, order))
     for first in range(0, len(stores), code.tile) if code.tile else ():
@@ -118,6 +120,8 @@ def lane_ir(code: Code, name: str) -> str:
     for store in () if code.tile else stores:
         if not code.recorded:
             compute(needed(graph, [store.value], done))
+            # inputs are read again for the next result: kept, they would be written to the stack and read from there
+            done -= {index for index in done if graph.ops[index][0] == "in"}
         if store.array not in both:
             save(store)
     for store in () if code.tile else stores:

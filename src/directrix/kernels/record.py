@@ -8,7 +8,7 @@ from typing import Any, Self, dataclass_transform
 
 import numpy as np
 
-from directrix.kernels.translate import Array, Fields
+from directrix.kernels.kinds import Array, Fields
 
 __all__ = ["Record"]
 

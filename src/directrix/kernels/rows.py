@@ -25,7 +25,7 @@ __all__ = [
 ]  # fmt: skip
 
 NODE = 36  # values of a node: (r1, R1), (Δr, R0), rates
-ROW = 186  # D⁻¹, L, G, P, Q by rows, y
+ROW = 186  # −D⁻¹, L, G, P, Q by rows, y
 CARRY = 162  # D, F, G by rows, b, K_00, b_0
 
 Matrix = list[list[Scalar]]
@@ -87,23 +87,22 @@ def _held(
     return own, f, u, [m * v for m, v in zip(free, b, strict=True)]
 
 
-def product(start: str | None, sign: int = -1) -> Code:
-    """c = start ± a b of 6×6 matrices: c = ± a b without ``start``; ``start`` "c" adds to what is there."""
+def product(sign: int) -> Code:
+    """c = start ± a b of 6×6 matrices; ``start`` may be ``c``. One small function for all products: what is straight
+    line in one piece does not stay in the instruction cache."""
     graph = Graph()
-    arrays = ("a", "b", *((start,) if start and start != "c" else ()), "c")
-    a, b = (_matrix(graph.inputs(name, 36)) for name in ("a", "b"))
-    begin = _matrix(graph.inputs(start, 36)) if start else None
+    a, b, start = (_matrix(graph.inputs(name, 36)) for name in ("a", "b", "start"))
     stores: list[Store] = []
     for i0 in range(0, 6, 3):
         for j0 in range(0, 6, 3):
-            part = None if begin is None else [row[j0 : j0 + 3] for row in begin[i0 : i0 + 3]]
-            tile = times(a[i0 : i0 + 3], [row[j0 : j0 + 3] for row in b], part, sign)
+            columns, part = [row[j0 : j0 + 3] for row in b], [row[j0 : j0 + 3] for row in start[i0 : i0 + 3]]
+            tile = times(a[i0 : i0 + 3], columns, part, sign)
             stores += [Store("c", 6 * (i0 + i) + j0 + j, tile[i][j]) for i in range(3) for j in range(3)]
-    return Code(graph, arrays, stores, tile=9)
+    return Code(graph, ("a", "b", "start", "c"), stores, tile=9, may_be_one=("start", "c"))
 
 
 def pivot(masked: bool, inner: bool) -> Code:
-    """D⁻¹, L, y of a row. For an inner node D and b go on from ``carry`` and ``out`` is the element behind it; for the
+    """−D⁻¹, L, y of a row. For an inner node D and b go on from ``carry`` and ``out`` is the element behind it; for the
     middle node of an element of three they are from ``out`` alone, and G is as well.
 
     ``masked``: ``free`` (6) is 0 where the node is held. U and F, which the caller multiplies, are then masked in
@@ -128,7 +127,7 @@ def pivot(masked: bool, inner: bool) -> Code:
         for (array, at), matrix in ((to_u, u), (("carry", 36) if inner else to_f, f)):
             stores += [Store(array, at + i, v) for i, v in enumerate(_flat(matrix))]
     di = inverse(d)
-    row = [*_flat(di), *_flat(low), *([] if inner else _flat(k[0, 1]))]
+    row = [*(-v for v in _flat(di)), *_flat(low), *([] if inner else _flat(k[0, 1]))]
     stores += [Store("row", i, v) for i, v in enumerate(row)]
     stores += [Store("row", 180 + i, v) for i, v in enumerate(_flat(times(di, _column(b))))]
     arrays = ("out", *(("carry",) if inner else ()), "load", "row", *(("free",) if masked else ()))
@@ -165,8 +164,8 @@ def inside() -> Code:
     """A new right-hand side ``res`` (18) of an element of three nodes through the row of its middle node."""
     graph = Graph()
     row, res = graph.inputs("row", ROW), graph.inputs("res", 18)
-    di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
-    y = times(di, _column(res[6:12]))
+    minus_di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
+    y = times(minus_di, _column(res[6:12]), sign=-1)
     ends = [*_flat(times(g, y, _column(res[:6]), -1)), *_flat(times(l, y, _column(res[12:]), -1))]
     stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
     stores += [Store("res", k, v) for k, v in zip([*range(6), *range(12, 18)], ends, strict=True)]
@@ -177,8 +176,8 @@ def forward() -> Code:
     """A new right-hand side ``res`` (6) through a row that is eliminated already."""
     graph = Graph()
     row, res, carry = graph.inputs("row", ROW), graph.inputs("res", 6), graph.inputs("carry", CARRY)
-    di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
-    y = times(di, _column([r + c for r, c in zip(res, carry[108:114], strict=True)]))
+    minus_di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
+    y = times(minus_di, _column([r + c for r, c in zip(res, carry[108:114], strict=True)]), sign=-1)
     after = [*(-v for v in _flat(times(l, y))), *_flat(times(g, y, _column(carry[156:162]), -1))]
     stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
     stores += [Store("carry", k, v) for k, v in zip([*range(108, 114), *range(156, 162)], after, strict=True)]
@@ -301,10 +300,11 @@ def tangent(element: Element, layout: Layout, aligned: bool) -> Code:
     forces, factored = factored_step_of(graph, element, layout, x, p, g)
     nn, zero = layout.nn, graph.const(0.0)
     size = 6 * nn
-    stores = [Store("out", k, v) for k, v in enumerate(forces)]
+    stores: list[Store] = []
+    blocks = [Store("out", k, v) for k, v in enumerate(forces)]
     for column, slopes in enumerate(factored.direct):
         b, k = divmod(column, 6)
-        stores += [Store("out", size + 36 * (nn * b + i // 6) + 6 * (i % 6) + k, v) for i, v in enumerate(slopes)]
+        blocks += [Store("out", size + 36 * (nn * b + i // 6) + 6 * (i % 6) + k, v) for i, v in enumerate(slopes)]
     first = size + 36 * nn * nn
     for k in range(6 * layout.points):
         there = k < len(factored.left)
@@ -312,7 +312,7 @@ def tangent(element: Element, layout: Layout, aligned: bool) -> Code:
         at = first + 72 * nn * (k // 6)
         stores += [Store("out", at + 36 * (i // 6) + 6 * (i % 6) + k % 6, v) for i, v in enumerate(left)]
         stores += [Store("out", at + 36 * (nn + i // 6) + 6 * (k % 6) + i % 6, v) for i, v in enumerate(right)]
-    return Code(graph, ("x", "p", "g", "out"), stores, ("g",))
+    return Code(graph, ("x", "p", "g", "out"), [*stores, *blocks], ("g",))
 
 
 def audit(element: Element, layout: Layout, aligned: bool) -> Code:

@@ -12,25 +12,29 @@ from directrix.kernels.call import call_lanes
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
-from directrix.kernels.rows import NODE, ROW
+from directrix.kernels.rows import NODE
+from directrix.kernels.strip_elimination import (
+    AUDIT,
+    BACKWARD,
+    BALANCE,
+    FINISH,
+    MEASURE,
+    MOVE,
+    RESIDUAL,
+    SIX,
+    R,
+    X,
+    eliminate_strip,
+    pass_again,
+)
 
 __all__ = ["pack", "run", "unpack"]
 
-(
-    TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, TIMES, MINUS,
-    ADD, LESS, FROM, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
-) = range(21)  # fmt: skip
-BLOCK = 36 * LANES
-# blocks of a row: D⁻¹, L, G, P, Q
-LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK
-# parts of the carry
-COLUMN, ROW_G, RHS, OWN, OWN_RHS = BLOCK, 2 * BLOCK, 108 * LANES, 120 * LANES, 156 * LANES
-SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
-ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD = 0, 1, 2, 5, 8, 16, 17
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS = 0, 1, 2, 5, 8, 16, 17, 18
 
 
 @inner
@@ -38,106 +42,6 @@ def _zero(values):
     """All of a flat array; here and elsewhere loops in place of slices that are assigned, which are slow to compile."""
     for k in range(values.shape[0]):
         values[k] = 0.0
-
-
-@inner
-def _element(code, s, e, g):
-    """Forces and tangent of element ``e`` of all lanes into ``s.out``."""
-    out, nn = s.out, s.stride + 1
-    call_lanes(code[TANGENT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, g, 0, out, 0)
-    blocks = nn * SIX
-    for point in range(s.points):
-        left = blocks + (nn * nn + 2 * nn * point) * BLOCK
-        for b in range(nn):
-            for a in range(nn):
-                to = blocks + (nn * b + a) * BLOCK
-                call_lanes(code[ADD], out, left + a * BLOCK, out, left + (nn + b) * BLOCK, out, to)
-
-
-@inner
-def _middle(code, s, e, frozen):
-    """Eliminate the middle node of an element of three: what is left in ``s.small`` is an element of two."""
-    out, row, small, at, middle = s.out, s.within, s.small, e * R, (2 * e + 1) * SIX
-    if frozen:
-        call_lanes(code[MIDDLE_HOLD], out, 0, s.load, middle, row, at, s.still, middle)
-    else:
-        call_lanes(code[MIDDLE], out, 0, s.load, middle, row, at)
-    first, last = 3 * SIX + BLOCK, 3 * SIX + 7 * BLOCK  # what the middle feels of the ends
-    call_lanes(code[TIMES], row, at, out, last, row, at + UP)
-    call_lanes(code[TIMES], row, at, out, first, row, at + BACK)
-    for b in range(2):
-        for a in range(2):
-            left, right, to = LOW if a else FIRST, UP if b else BACK, 2 * SIX + (2 * b + a) * BLOCK
-            start = 3 * SIX + (6 * b + 2 * a) * BLOCK
-            call_lanes(code[FROM], row, at + left, row, at + right, out, start, small, to)
-    call_lanes(code[MIDDLE_ON], row, at, out, 0, small, 0)
-
-
-@inner
-def _start(s):
-    """The first row of a strip is solved for last: what it has to do with the second, into ``s.carry``."""
-    small, carry = s.small, s.carry
-    aa, ba, ab, bb = 2 * SIX, 2 * SIX + BLOCK, 2 * SIX + 2 * BLOCK, 2 * SIX + 3 * BLOCK
-    # D, F, G of the next node are BB, BA, AB; b the force on it
-    for k in range(BLOCK):
-        carry[k] = small[bb + k]
-        carry[COLUMN + k] = small[ba + k]
-        carry[ROW_G + k] = small[ab + k]
-        s.row[R + FIRST + k] = small[ab + k]
-        carry[OWN + k] = small[aa + k]
-    for k in range(SIX):
-        carry[RHS + k] = -small[SIX + k]
-        carry[OWN_RHS + k] = -small[k]
-
-
-@inner
-def _eliminate(code, s, e, frozen):
-    """Eliminate the first node of element ``e``."""
-    small, row, carry, at, node = s.small, s.row, s.carry, e * R, e * s.stride * SIX
-    if frozen:
-        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.still, node)
-    elif s.held[e]:
-        call_lanes(code[HOLD], small, 0, carry, 0, s.load, node, row, at, s.free, node)
-    else:
-        call_lanes(code[PIVOT], small, 0, carry, 0, s.load, node, row, at)
-    call_lanes(code[TIMES], row, at, small, 2 * SIX + 2 * BLOCK, row, at + UP)
-    call_lanes(code[TIMES], row, at, carry, COLUMN, row, at + BACK)
-    call_lanes(code[FROM], row, at + LOW, row, at + UP, small, 2 * SIX + 3 * BLOCK, carry, 0)
-    call_lanes(code[MINUS], row, at + LOW, row, at + BACK, carry, COLUMN)
-    call_lanes(code[LESS], row, at + FIRST, row, at + BACK, carry, OWN)
-    if e < s.elements - 1:
-        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, row, at + R + FIRST)
-    else:
-        call_lanes(code[MINUS], row, at + FIRST, row, at + UP, carry, ROW_G)
-    call_lanes(code[PASS_ON], row, at, small, 0, carry, 0)
-
-
-@inner
-def _tangent(code, s, g, frozen):
-    """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
-    for e in range(s.elements):
-        _element(code, s, e, g)
-        if s.stride == 2:
-            _middle(code, s, e, frozen)
-        if e == 0:
-            _start(s)
-        else:
-            _eliminate(code, s, e, frozen)
-
-
-@inner
-def _again(code, s):
-    """``s.res`` through the rows that are there."""
-    last = s.elements * s.stride * SIX
-    for e in range(s.elements if s.stride == 2 else 0):
-        call_lanes(code[INSIDE], s.within, e * R, s.res, 2 * e * SIX)
-    for k in range(SIX):
-        s.carry[108 * LANES + k] = 0.0
-        s.carry[156 * LANES + k] = s.res[k]
-    for e in range(1, s.elements):
-        call_lanes(code[FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
-    for k in range(SIX):
-        s.carry[108 * LANES + k] += s.res[last + k]
 
 
 @inner
@@ -276,21 +180,23 @@ def _ends(s, first, w, own):
 
 @inner
 def _iterate(code, main, rest, g, w, options):
-    """Newton's iteration; the number of increments, or 0 when the general solver has to take the step."""
+    """Newton's iteration; the number of increments, 0 when the general solver has to take the step;
+    and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
     frozen = again = False
-    before = 0.0
+    before, tangents = 0.0, 0
     for iteration in range(1, allowed + 1):
+        tangents += 0 if again else 1
         for part in range(2 if rest.lanes else 1):
             s = main if part == 0 else rest
             if again:
                 _ends(s, part * main.lanes, w, False)
-                _again(code, s)
+                pass_again(code, s)
             else:
-                _tangent(code, s, g, frozen)
+                eliminate_strip(code, s, g, frozen)
         moved, turned, finite = _solve(code, main, rest, w, frozen, again)
         if not finite:
-            return 0
+            return 0, tangents
         w.scale[0] = 1.0 if turned <= limit else limit / turned
         for part in range(2):
             _move(code, main if part == 0 else rest, w.scale)
@@ -309,10 +215,10 @@ def _iterate(code, main, rest, g, w, options):
         if again:
             worst = _imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
-                return iteration
+                return iteration, tangents
             if not worst < 1e300:
-                return 0
-    return 0
+                return 0, tangents
+    return 0, tangents
 
 
 @inner
@@ -346,22 +252,23 @@ def _close(code, s, g, w):
 
 @compiled
 def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, 18), as long as they converge; how many did.
+    """Take steps, one a row of ``results`` (steps, 19), as long as they converge; how many did.
 
     A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality, Σ |support force|². When a step does not converge the state is that at its start.
+    orthonormality, Σ |support force|², how many iterations had a new tangent. When a step does not converge the state
+    is that at its start.
     """
     for k in range(results.shape[0]):
         for part in range(2):
             _keep(main if part == 0 else rest, False)
-        iterations = _iterate(code, main, rest, g, w, options)
+        iterations, tangents = _iterate(code, main, rest, g, w, options)
         if iterations == 0:
             for part in range(2):
                 _keep(main if part == 0 else rest, True)
             return k
         row = results[k]
         _zero(row)
-        row[ITERATIONS] = iterations
+        row[ITERATIONS], row[TANGENTS] = iterations, tangents
         _zero(w.sums)
         _zero(w.loss)
         for part in range(2):
