@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         SimoTarnowDoblare,
     )
     from directrix.model import Model
+    from directrix.points import Recorder
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
@@ -55,6 +56,7 @@ __all__ = [
     "Modes",
     "Newmark",
     "Plane",
+    "Recorder",
     "Result",
     "Section",
     "SimoTarnowDoblare",
@@ -106,6 +108,7 @@ _HOME = {
         "SimoTarnowDoblare",
     ),
     "model": ("Model",),
+    "points": ("Recorder",),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),

@@ -68,6 +68,16 @@ class Picture(StrEnum):
     branches = "branches"
 
 
+class Format(StrEnum):
+    """What ``export`` can write."""
+
+    csv = "csv"
+    npz = "npz"
+    mat = "mat"
+    gltf = "gltf"
+    xlsx = "xlsx"
+
+
 class Quantity(StrEnum):
     """What ``plot … history`` can draw of a node."""
 
@@ -177,9 +187,9 @@ def run(
         with live(console) as progress:
             return case.run(progress)
 
-    result = solve(case, f"{case.title}  ({case_file})")
+    result = solve(folder.recording(case), f"{case.title}  ({case_file})")
     # kept before anything is shown: what was computed is not lost to a fault further on
-    written = list(folder.write(case, result))
+    written = [*folder.write(case, result), *(folder.path / one.file for one in case.records)]
     show(console, result)
     both: dict[str, Result] = {}
     if rival is not None:
@@ -250,6 +260,23 @@ def plot(
         raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history or path")
     name = "-".join([what.value, *options.values()])
     print(f"wrote {draw(result, what.value, out or path.with_name(f'{name}.png'), **options)}")
+
+
+@app.command()
+@_guarded
+def export(
+    result_file: ResultFile,
+    to: Annotated[Format, typer.Option("--to", help="What for.", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="File (csv: folder) to write; default beside the result.")
+    ] = None,
+) -> None:
+    """Write a result for other programs: CSV tables, NumPy, MATLAB, Excel, or a glTF animation."""
+    from directrix.exports import FORMATS
+
+    result, path = _load(result_file)
+    write, ending = FORMATS[to.value]
+    print(f"wrote {write(result, out or path.with_name(path.stem + ending))}")
 
 
 @app.command()

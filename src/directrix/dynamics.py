@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
+from directrix import points
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
 from directrix.diagnosis import refuse, without_inertia
@@ -35,6 +37,7 @@ def simulate(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    record: Sequence[points.Recorder] = (),
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -60,6 +63,8 @@ def simulate(
         Keep every so many steps; the last one is always kept.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
+    record
+        Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -92,7 +97,7 @@ def simulate(
     if ends and not has_history(start, scheme):
         newton.accelerate(x, external)
     acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic")
+    recorder = Recorder(disc, "dynamic", record)
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books, dt)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import points
 from directrix.audit import StaticBooks
 from directrix.checks import choice, flag, reporting, whole
 from directrix.contact_groups import refuse_rod_contacts
@@ -50,6 +52,7 @@ def solve_static(
     tolerance: float = 1e-9,
     rotation: str = "exponential",
     stability: bool | None = None,
+    record: Sequence[points.Recorder] = (),
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -84,6 +87,8 @@ def solve_static(
         Whether to count the negative pivots of the stiffness at every saved state (:attr:`Result.stability`) and, with
         a ``control``, to look for critical points; True with a control unless said otherwise. Where loads have no
         potential there is nothing to read, and ``info["stability"]`` says why.
+    record
+        Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -121,7 +126,7 @@ def solve_static(
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
-    recorder = Recorder(disc, "static")
+    recorder = Recorder(disc, "static", record)
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
