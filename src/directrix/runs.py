@@ -104,7 +104,7 @@ class RunFolder:
             pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
             yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
             if beside:
-                from directrix.plot import compare_energy_momentum
+                from directrix.comparison import compare_energy_momentum
 
                 yield Path(compare_energy_momentum(beside, self.path / BESIDE))
 
