@@ -288,7 +288,7 @@ def test_plot_of_a_history(finished: Path, tmp_path: Path) -> None:
     for args, says in (
         (["history"], "nodes: A, O, B, C"),
         (["history", "--node", "Q"], "no node 'Q'"),
-        (["energy", "--node", "B"], "takes no node"),
+        (["energy", "--node", "B"], "takes no --node"),
         (["energy", "--out", tmp_path / "x.docx"], "endings"),
         (["energy", "--out", tmp_path / "nowhere" / "x.png"], "nowhere"),
     ):

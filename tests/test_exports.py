@@ -248,6 +248,20 @@ def skinned(path: str, name: str, frame: int) -> np.ndarray:
     return out
 
 
+def quaternions(path: str) -> list[np.ndarray]:
+    """The rotations of every ring, (frames, 4) each."""
+    from pygltflib import GLTF2
+
+    file: Any = GLTF2().load(path)
+    moves, out = file.animations[0], []
+    for channel in moves.channels:
+        accessor = file.accessors[moves.samplers[channel.sampler].output]
+        if channel.target.path == "rotation":
+            start = file.bufferViews[accessor.bufferView].byteOffset
+            out.append(np.frombuffer(file.binary_blob(), "<f4", 4 * accessor.count, start).reshape(-1, 4))
+    return out
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_gltf_moves_as_the_rods_do(order: int, tmp_path: Path) -> None:
     result = fake_result(order=order, instants=7, elements=2)
@@ -260,6 +274,8 @@ def test_gltf_moves_as_the_rods_do(order: int, tmp_path: Path) -> None:
         r = result.r[frame, rod.nodes[::order]]
         expected = r[:, None] + np.einsum("nij,kj->nki", d[:, :, :2], rod.outline)
         np.testing.assert_allclose(tube, expected, atol=2e-6)
+    for turns in quaternions(path):  # a viewer goes the short way from one to the next
+        assert np.all(np.sum(turns[1:] * turns[:-1], axis=-1) > 0.5)
     up = skinned(result.to_gltf(tmp_path / "b.glb"), "mid", 6)
     np.testing.assert_allclose(up[:, [0, 2, 1]] * (1, -1, 1), skinned(path, "mid", 6), atol=2e-6)
 

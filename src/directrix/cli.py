@@ -253,7 +253,11 @@ def plot(
             "what to draw has to be said once", f"give one of {', '.join(Picture)}, by itself or with --what"
         )
     result, path = _load(result_file)
-    others = {str(file): _load(file)[0] for file in beside or ()}
+    others: dict[str, Result] = {}
+    for file in beside or ():
+        other, where = _load(file)
+        label = file.stem if file.is_dir() else where.stem
+        others[str(file) if label in others else label] = other
     given = {
         "node": node, "rod": rod, "s": s, "quantity": quantity, "over": over, "component": component, "at": at,
         "envelope": envelope or None, "others": others or None,

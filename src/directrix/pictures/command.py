@@ -79,5 +79,5 @@ def _of(picture: str, given: Mapping[str, Any], result: Result, *, needed: bool)
         return given["node"]
     if needed:
         names = ", ".join(result.mesh.node_names)
-        raise ModelError(f"a {picture} is that of a node", f"add --node, or --rod and --s; nodes: {names}")
+        raise ModelError(f"{picture}: of which node?", f"add --node, or --rod and --s; nodes: {names}")
     return None
