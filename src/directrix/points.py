@@ -1,4 +1,5 @@
 """A point of a rod at any arclength: what is there, from the shape functions, and its record while a run goes on."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 
@@ -70,7 +71,7 @@ def place(mesh: Mesh, rod: str, s: float) -> Point:
     many = len(on.stations) // (len(ends) - 1)
     stations = np.arange(e * many, (e + 1) * many)
     at = on.stations[stations]
-    weights = [np.prod((s - np.delete(at, q)) / (at[q] - np.delete(at, q))) for q in range(many)]
+    weights = [float(np.prod((s - np.delete(at, q)) / (at[q] - np.delete(at, q)))) for q in range(many)]
     nodes = on.nodes[e * on.order : (e + 1) * on.order + 1]
     return Point(on, s, nodes, lagrange(on.order, float(xi))[0], on.first_station + stations, np.array(weights))
 

@@ -1,6 +1,6 @@
 """A result as files of other programs: CSV, NumPy, MATLAB, Excel; numbers with all their digits but in Excel, which
 keeps sixteen."""
-# pyright: reportUnknownMemberType=false
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def to_xlsx(result: Result, path: str | PathLike[str]) -> str:
     return written(out, write)
 
 
-def written(out: Path, write: Callable[[], None]) -> str:
+def written(out: Path, write: Callable[[], object]) -> str:
     """Call ``write``; what the system says against it becomes an InputError. Returns the path."""
     try:
         write()

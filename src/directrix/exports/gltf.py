@@ -81,7 +81,7 @@ def to_gltf(
         outline = rod.outline if len(rod.outline) else THICK * size * _circle()
         build.rod(rod.name, outline, centres @ turn.T, turn @ frame, clock, len(times) > 1, k % len(COLOURS))
     said = f"{result.name}: {result.status.sentence}"
-    return written(out, lambda: out.write_bytes(build.file(said)) and None)
+    return written(out, lambda: out.write_bytes(build.file(said)))
 
 
 def _times(result: Result, picked: NDArray[np.int64], duration: float | None) -> Array:

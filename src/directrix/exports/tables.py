@@ -1,4 +1,5 @@
 """A result as tables: columns by name, one row per instant and node, stress point, link, contact or joint."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
 """Convergence: Newton's iterations step by step, and the error under refinement."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 

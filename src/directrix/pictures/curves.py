@@ -1,4 +1,5 @@
 """Curves: a quantity in time, one quantity over another, several results in one picture."""
+# pyright: reportUnknownArgumentType=false
 
 from __future__ import annotations
 
@@ -89,7 +90,7 @@ def _axis(result: Result, values: Series) -> str:
     return labelled(result, words, ", ".join(d or "1" for d in dimensions))
 
 
-def orbit(result: Result, of: Of, x: tuple[str, str | None], y: tuple[str, str | None], others: Others, ax: Any) -> Any:
+def orbit(result: Result, of: Of, x: str | tuple[str, str], y: str | tuple[str, str], others: Others, ax: Any) -> Any:
     """See :meth:`directrix.plot.Plots.orbit`."""
 
     def read(one: Result, what: Any) -> Series:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 
 __all__ = ["along", "diagram"]
 
-COLOURS = dict(zip((*FORCES, *STRAINS), (*draw.XYZ, *draw.XYZ, *draw.XYZ, *draw.XYZ), strict=True))
-SIGNS = {
+COLOURS: Mapping[str, str] = dict(zip((*FORCES, *STRAINS), (*draw.XYZ, *draw.XYZ, *draw.XYZ, *draw.XYZ), strict=True))
+SIGNS: Mapping[str, str] = {
     **{name: f"${name[0]}_{name[1]}$" if len(name) > 1 else f"${name}$" for name in FORCES},
     **{name: rf"$\{name[:-1]}_{name[-1]}$" for name in STRAINS},
 }
@@ -68,7 +68,8 @@ def along(
     title += ", and the range over the run" if envelope else ""
     if len(dimensions) > 1:  # the zeros of both scales at one height
         for one in pens.values():
-            reach = max(map(abs, one.get_ylim()))
+            low, high = one.get_ylim()
+            reach = max(-low, high)
             one.set_ylim(-reach, reach)
         twin = pens[dimensions[1]]
         twin.set_ylabel(labelled(result, _words(dimensions[1]) + " (dashed)", dimensions[1]))
