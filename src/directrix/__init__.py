@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Newmark,
         SimoTarnowDoblare,
     )
+    from directrix.linear.petsc import Petsc
     from directrix.model import Model
     from directrix.points import Recorder
     from directrix.result import Result, Status, TurningPoint
@@ -55,6 +56,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Petsc",
     "Plane",
     "Recorder",
     "Result",
@@ -107,6 +109,7 @@ _HOME = {
         "Newmark",
         "SimoTarnowDoblare",
     ),
+    "linear.petsc": ("Petsc",),
     "model": ("Model",),
     "points": ("Recorder",),
     "result": ("Result", "Status", "TurningPoint"),
