@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -457,3 +458,27 @@ def test_the_command_exports(to: str, name: str, tmp_path: Path) -> None:
     assert done.exit_code == 0 and done.stdout.strip() == f"wrote {tmp_path / name}"
     assert (tmp_path / name).exists()
     assert CliRunner().invoke(app, ["export", saved, "--to", "word"]).exit_code == 2
+
+
+SHOT = """
+import sys
+import pyvista
+import directrix as dx
+scene = pyvista.Plotter(off_screen=True, window_size=(200, 150))
+scene.add_mesh(dx.load(sys.argv[1]).to_pyvista(-1).tube(radius=0.05), scalars="torque", show_scalar_bar=False)
+scene.screenshot(sys.argv[2])
+"""
+
+
+@pytest.mark.slow
+def test_pyvista_draws_without_a_screen(tmp_path: Path) -> None:
+    """In a process of its own: without a way to draw VTK may end it."""
+    pytest.importorskip("pyvista", reason="pip install pyvista to check the scene")
+    saved, picture = fake_result(order=2).save(tmp_path / "a.vtkhdf"), tmp_path / "a.png"
+    run = subprocess.run([sys.executable, "-c", SHOT, saved, str(picture)], capture_output=True, text=True, check=False)
+    if run.returncode < 0 or not picture.exists():
+        pytest.skip(f"VTK cannot draw here: {run.stderr[-200:]}")
+    from matplotlib.image import imread
+
+    image = imread(picture)[..., :3]
+    assert image.shape[:2] == (150, 200) and np.ptp(image.reshape(-1, 3), axis=0).max() > 0.3
