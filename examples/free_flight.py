@@ -48,7 +48,7 @@ def main(*, dt: float = 0.2, t_end: float = 30.0, out: str | None = None) -> dic
     for result in results.values():
         print(result, end="\n\n")
     if out is not None:
-        from directrix.plot import compare_energy_momentum
+        from directrix.comparison import compare_energy_momentum
 
         folder, result = Path(out), results["energy–momentum"]
         compare_energy_momentum(results, folder / "free_flight.png")

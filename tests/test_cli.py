@@ -25,7 +25,7 @@ from directrix.schema import Case, load_case
 from directrix.storage import load
 
 HERE = Path(__file__).parent
-COMMANDS = {"verify", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor"}
+COMMANDS = {"export", "verify", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor"}
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 SAFE = "-m", "directrix"
 
@@ -288,7 +288,7 @@ def test_plot_of_a_history(finished: Path, tmp_path: Path) -> None:
     for args, says in (
         (["history"], "nodes: A, O, B, C"),
         (["history", "--node", "Q"], "no node 'Q'"),
-        (["energy", "--node", "B"], "takes no node"),
+        (["energy", "--node", "B"], "takes no --node"),
         (["energy", "--out", tmp_path / "x.docx"], "endings"),
         (["energy", "--out", tmp_path / "nowhere" / "x.png"], "nowhere"),
     ):

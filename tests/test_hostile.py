@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import directrix as dx
-from directrix.plot import compare_energy_momentum
+from directrix.comparison import compare_energy_momentum
 from directrix.schema import load_case
 
 SECTION = dx.Section.from_moduli(EA=1e3, GA1=1e3, GA2=1e3, EI1=1.0, EI2=1.0, GJ=1.0, A_rho=1.0, I_rho1=0.1, I_rho2=0.1)

@@ -13,9 +13,10 @@ import pytest
 from fake_result import fake_result, with_joints
 from matplotlib.figure import Figure
 
-from directrix import drawing, plot
+from directrix import comparison, drawing
+from directrix.comparison import compare_energy_momentum
 from directrix.errors import ModelError
-from directrix.plot import Plots, compare_energy_momentum
+from directrix.plot import Plots
 from directrix.result import Energy, Result, RodMesh
 
 matplotlib.use("Agg")
@@ -238,7 +239,7 @@ def failing(peak: float) -> Result:
 @pytest.mark.parametrize("peak", [7.0, 1e6])
 def test_divergence_and_conservation_are_both_in_sight(peak: float) -> None:
     ax, first = flat_axes(), fake_result(t_end=30.0)
-    plot._total_energies(ax, "conserving", first, [("midpoint", failing(peak))])
+    comparison._total_energies(ax, "conserving", first, [("midpoint", failing(peak))])
     low, high = ax.get_ylim()
     assert low == 0.0
     assert 0.2 * high < 2.5 < 0.8 * high  # the conserving curve keeps a fair part of the height

@@ -21,6 +21,7 @@ import directrix as dx
 from directrix.errors import InputError
 from directrix.result import Result
 from directrix.storage import load, save, vtkhdf
+from directrix.storage.fields import FORCES, STRAINS
 
 CASES = [
     dict(kind="static", order=1),
@@ -247,9 +248,10 @@ def test_paraview_sees_the_motion(read: Any, result: Result, chunk: None, tmp_pa
             assert frame[f"FieldData/energy_{name}"] == getattr(result.energy, name)[k]
 
 
+@pytest.mark.parametrize("read", [frames, vtk_frames])
 @pytest.mark.parametrize("order", [1, 2, 3])
-def test_cell_data_is_the_mean_of_the_section_forces(order: int, tmp_path: Path) -> None:
-    """Forces that vary as the Gauss points can integrate exactly have the mean of their integral."""
+def test_cell_data_are_the_means_of_forces_and_strains(order: int, read: Any, tmp_path: Path) -> None:
+    """What varies as the Gauss points can integrate exactly has the mean of its integral."""
     base = fake_result(order=order, instants=3)
     degree, force = 2 * order - 1, np.empty_like(base.force)
     factors = (1.0 + np.arange(3))[:, None] * np.arange(1, 7)  # of instant and component
@@ -261,9 +263,10 @@ def test_cell_data_is_the_mean_of_the_section_forces(order: int, tmp_path: Path)
         mean = (i + 1) * np.diff(ends) / np.diff(rod.s[:: rod.order])
         expected.append(factors[:, None] * mean[:, None])
     means = np.concatenate(expected, axis=1)
-    for k, frame in enumerate(frames(save(replace(base, force=force), tmp_path / "a.vtkhdf"))):
-        for c, name in enumerate(vtkhdf.FORCES):
-            np.testing.assert_allclose(frame[f"CellData/{name}"], means[k, :, c], rtol=1e-13)
+    for k, frame in enumerate(read(save(replace(base, force=force, strain=-force), tmp_path / "a.vtkhdf"))):
+        for c, (pull, strain) in enumerate(zip(FORCES, STRAINS, strict=True)):
+            np.testing.assert_allclose(frame[f"CellData/{pull}"], means[k, :, c], rtol=1e-13)
+            np.testing.assert_allclose(frame[f"CellData/{strain}"], -means[k, :, c], rtol=1e-13)
 
 
 @pytest.mark.parametrize("last", [0.5, 1.0], ids=["turns back", "stands still"])

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     )
     from directrix.linear.petsc import Petsc
     from directrix.model import Model
+    from directrix.points import Recorder
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
@@ -57,6 +58,7 @@ __all__ = [
     "Newmark",
     "Petsc",
     "Plane",
+    "Recorder",
     "Result",
     "Section",
     "SimoTarnowDoblare",
@@ -109,6 +111,7 @@ _HOME = {
     ),
     "linear.petsc": ("Petsc",),
     "model": ("Model",),
+    "points": ("Recorder",),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),

@@ -62,27 +62,25 @@ class Picture(StrEnum):
     shape = "shape"
     motion = "motion"
     energy = "energy"
+    ledger = "ledger"
     momentum = "momentum"
     history = "history"
+    orbit = "orbit"
+    section_forces = "section_forces"
+    diagram = "diagram"
     path = "path"
     branches = "branches"
+    newton = "newton"
 
 
-class Quantity(StrEnum):
-    """What ``plot … history`` can draw of a node."""
+class Format(StrEnum):
+    """What ``export`` can write."""
 
-    displacement = "displacement"
-    r = "r"
-    v = "v"
-    reaction = "reaction"
-
-
-class Component(StrEnum):
-    """What ``plot … path`` can draw a load factor over."""
-
-    x = "x"
-    y = "y"
-    z = "z"
+    csv = "csv"
+    npz = "npz"
+    mat = "mat"
+    gltf = "gltf"
+    xlsx = "xlsx"
 
 
 def main() -> None:
@@ -180,9 +178,9 @@ def run(
         with live(console) as progress:
             return case.run(progress, threads)
 
-    result = solve(case, f"{case.title}  ({case_file})")
+    result = solve(folder.recording(case), f"{case.title}  ({case_file})")
     # kept before anything is shown: what was computed is not lost to a fault further on
-    written = list(folder.write(case, result))
+    written = [*folder.write(case, result), *(folder.path / one.file for one in case.records)]
     show(console, result)
     both: dict[str, Result] = {}
     if rival is not None:
@@ -231,28 +229,61 @@ def info(result_file: ResultFile) -> None:
 @_guarded
 def plot(
     result_file: ResultFile,
-    what: Annotated[Picture, typer.Argument(help="What to draw.", show_default=False)],
-    node: Annotated[str | None, typer.Option(help="history, path, branches: the node.")] = None,
-    quantity: Annotated[Quantity, typer.Option(help="history: what of it.")] = Quantity.displacement,
-    component: Annotated[Component, typer.Option(help="path, branches: which displacement of it.")] = Component.y,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Picture file; default beside the result.")] = None,
+    picture: Annotated[Picture | None, typer.Argument(metavar="WHAT", help="What to draw.", show_default=False)] = None,
+    what: Annotated[Picture | None, typer.Option(help="The same, by name.", show_default=False)] = None,
+    node: Annotated[str | None, typer.Option(help="A node, link, contact or joint.", show_default=False)] = None,
+    rod: Annotated[str | None, typer.Option(help="A rod; with --s a point of it.", show_default=False)] = None,
+    s: Annotated[float | None, typer.Option("--s", help="Arclength of that point.", show_default=False)] = None,
+    quantity: Annotated[str | None, typer.Option(help="history, orbit: what of it; names as in tables.")] = None,
+    over: Annotated[str | None, typer.Option(help="orbit: what it is drawn over, such as r.x.")] = None,
+    component: Annotated[str | None, typer.Option(help="Which component.", show_default=False)] = None,
+    at: Annotated[int | None, typer.Option(help="Saved instant; -1 is the last.", show_default=False)] = None,
+    envelope: Annotated[bool, typer.Option("--envelope", help="section_forces: the range over the run.")] = False,
+    beside: Annotated[
+        list[Path] | None, typer.Option(metavar="RESULT", help="Another result in the same picture; may be repeated.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Picture file, .png, .svg or .pdf; default beside the result.")
+    ] = None,
 ) -> None:
-    """Draw a picture of a result: the last shape, the motion, energy, momentum, a node's history or path under load."""
+    """Draw a picture of a result: shapes, energy, histories, orbits, section forces, paths, iterations."""
+    from directrix.pictures.command import options_of
     from directrix.runs import draw
 
+    chosen = picture or what
+    if chosen is None or (picture is not None and what is not None):
+        raise ModelError(
+            "what to draw has to be said once", f"give one of {', '.join(Picture)}, by itself or with --what"
+        )
     result, path = _load(result_file)
-    options: dict[str, str] = {}
-    if what in (Picture.history, Picture.path, Picture.branches):
-        if node is None:
-            raise ModelError(
-                f"a {what.value} is that of a node", f"add --node; nodes: {', '.join(result.mesh.node_names)}"
-            )
-        more = {"quantity": quantity.value} if what is Picture.history else {"component": component.value}
-        options = {"node": node, **more}
-    elif node is not None:
-        raise ModelError(f"{what.value} takes no node", "leave --node out, or draw history or path")
-    name = "-".join([what.value, *options.values()])
-    print(f"wrote {draw(result, what.value, out or path.with_name(f'{name}.png'), **options)}")
+    others: dict[str, Result] = {}
+    for file in beside or ():
+        other, where = _load(file)
+        label = file.stem if file.is_dir() else where.stem
+        others[str(file) if label in others else label] = other
+    given = {
+        "node": node, "rod": rod, "s": s, "quantity": quantity, "over": over, "component": component, "at": at,
+        "envelope": envelope or None, "others": others or None,
+    }  # fmt: skip
+    options, name = options_of(chosen.value, {key: value for key, value in given.items() if value is not None}, result)
+    print(f"wrote {draw(result, chosen.value, out or path.with_name(f'{name}.png'), **options)}")
+
+
+@app.command()
+@_guarded
+def export(
+    result_file: ResultFile,
+    to: Annotated[Format, typer.Option("--to", help="What for.", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="File (csv: folder) to write; default beside the result.")
+    ] = None,
+) -> None:
+    """Write a result for other programs: CSV tables, NumPy, MATLAB, Excel, or a glTF animation."""
+    from directrix.exports import FORMATS
+
+    result, path = _load(result_file)
+    write, ending = FORMATS[to.value]
+    print(f"wrote {write(result, out or path.with_name(path.stem + ending))}")
 
 
 @app.command()

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from directrix.basis import lagrange
 from directrix.checks import shown
 from directrix.errors import ModelError
+from directrix.quantities import labelled
 from directrix.result import Result, RodMesh
 
 Array = NDArray[np.float64]
 
 INK, GREY, GHOST, BLUE, ORANGE = "#1b2733", "#7d8791", "#c3c9cf", "#1f6fb4", "#d2601a"
+OTHERS = ("#a02c8c", "#b8860b", "#00808a")
 XYZ = ("#c0392f", "#2b8a4b", "#2463ab")
+PALETTE = (BLUE, ORANGE, *OTHERS, "#2b8a4b")
 NAMES_AT_MOST = 40  # node names beyond this many only hide the picture
 
 
@@ -32,7 +35,7 @@ class Stage:
         """Draw (k, 3) points."""
         self.ax.plot(*(points[:, i] for i in self.shown), **style)
 
-    def finish(self, title: str) -> None:
+    def finish(self, title: str, zoom: float = 0.95) -> None:
         """Names of the axes, and one scale for all of them."""
         letters = ["xyz"[i] for i in self.shown]
         for setter, name in zip((f"set_{a}label" for a in "xyz"), letters, strict=False):
@@ -47,15 +50,15 @@ class Stage:
         middle = limits.mean(axis=1)
         for setter, m, w in zip((self.ax.set_xlim, self.ax.set_ylim, self.ax.set_zlim), middle, span, strict=True):
             setter(m - 0.5 * w, m + 0.5 * w)
-        self.ax.set_box_aspect(span, zoom=0.95)
+        self.ax.set_box_aspect(span, zoom=zoom)
 
 
 def stage(result: Result, ax: Any) -> Stage:
     """The axes to draw a shape in; refuses a flat axes for a motion in space."""
-    plane = _plane(result)
+    flat = plane(result)
     if ax is None:
         figure: Any = pyplot().figure(figsize=(6.4, 5.8), layout="constrained")
-        if plane is not None:
+        if flat is not None:
             ax = figure.add_subplot()
             dress(ax)
         else:
@@ -67,12 +70,12 @@ def stage(result: Result, ax: Any) -> Stage:
                 axis.pane.set_facecolor("white")
                 axis.pane.set_edgecolor(GHOST)
                 axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-        return Stage(ax, plane or (0, 1, 2))
+        return Stage(ax, flat or (0, 1, 2))
     if _axes(ax).name == "3d":
         return Stage(ax, (0, 1, 2))
-    if plane is None:
+    if flat is None:
         raise ModelError("the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")')
-    return Stage(ax, plane)
+    return Stage(ax, flat)
 
 
 def _axes(ax: Any) -> Any:
@@ -86,12 +89,20 @@ def _axes(ax: Any) -> Any:
     return ax
 
 
-def _plane(result: Result) -> tuple[int, ...] | None:
+def plane(result: Result) -> tuple[int, ...] | None:
     """The two coordinates of the plane that the model stays in, or None."""
     points = np.concatenate([result.mesh.r0[None], result.r]).reshape(-1, 3)
     span = np.ptp(points, axis=0)
     flat = [i for i in (2, 1, 0) if span[i] <= 1e-9 * max(float(span.max()), 1e-300)]
     return tuple(i for i in range(3) if i != flat[0]) if flat else None
+
+
+def instant(result: Result, at: int) -> int:
+    """The saved instant ``at``, counted from 0; raises ModelError when there is none."""
+    count = len(result.t)
+    if not isinstance(at, (int, np.integer)) or isinstance(at, bool) or not -count <= at < count:  # pyright: ignore
+        raise ModelError(f"there is no saved instant {shown(at)}", f"instants are 0 … {count - 1}, or -1 for the last")
+    return int(at) % count
 
 
 def axis_line(rod: RodMesh, r: Array) -> Array:
@@ -171,8 +182,15 @@ def curves(result: Result, ax: Any) -> Any:
         dress(ax)
     elif _axes(ax).name == "3d":
         raise ModelError("the axes given is in space, the curves are flat", "give add_subplot()")
-    ax.set_xlabel(clock(result) if rises(result) else "arc length of the path")
+    ax.set_xlabel(over(result))
     return ax
+
+
+def over(result: Result) -> str:
+    """What :func:`abscissa` is, with its unit."""
+    if not rises(result):
+        return labelled(result, "arc length of the path", "length")
+    return labelled(result, "t", "time") if result.kind == "dynamic" else "load factor"
 
 
 def branch(pen: Any, result: Result, values: Array, colour: str) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
+from directrix import points
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
 from directrix.diagnosis import refuse, without_inertia
@@ -36,6 +38,7 @@ def simulate(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    record: Sequence[points.Recorder] = (),
     threads: int = 1,
     linear: Petsc | str | None = None,
     progress: Progress | None = None,
@@ -63,6 +66,8 @@ def simulate(
         Keep every so many steps; the last one is always kept.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
+    record
+        Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     threads
         How many threads share the work on a frame of many junctions; no bit of the result depends on it.
     linear
@@ -99,7 +104,7 @@ def simulate(
     if ends and not has_history(start, scheme):
         newton.accelerate(x, external)
     acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic")
+    recorder = Recorder(disc, "dynamic", record)
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books, dt)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from directrix.audit import Audit
 from directrix.checks import number, whole
 from directrix.result import Energy, Mesh, Momentum, Result, Status
 from directrix.rotations import exp
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -115,6 +119,18 @@ class Modes:
             audit=Audit(()),
             info={"integrator": "linear vibration", "size": scale},
         )
+
+    def plot(
+        self, count: int = 4, amplitude: float | None = None, axes: Sequence[Axes] | None = None
+    ) -> tuple[Axes, ...]:
+        """Draw the first modes, one axes each, with their frequencies: both ends of the swing and the state between.
+
+        ``axes`` are used in their order, else a figure is made. Raises ModelError for fewer axes than modes, and
+        without matplotlib.
+        """
+        from directrix.pictures.vibration import shapes
+
+        return shapes(self, count, amplitude, axes)
 
     def view(self, path: str | PathLike[str], mode: int = 1, amplitude: float | None = None) -> str:
         """Write one mode as a self-contained HTML animation; returns its path. See :meth:`motion`."""

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix import checks
 from directrix import drawing as draw
-from directrix.checks import choice, flag, shown, whole
+from directrix.checks import choice, flag, whole
 from directrix.errors import ModelError
+from directrix.pictures import convergence, curves, ledger, sections
+from directrix.pictures.curves import Others
+from directrix.quantities import FORCES, Of, labelled, unit
 from directrix.result import Result
 
 if TYPE_CHECKING:
@@ -21,10 +22,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-__all__ = ["Plots", "compare_energy_momentum"]
+__all__ = ["Plots"]
 
-OTHERS = ("#a02c8c", "#b8860b", "#00808a")
-Quantity = Literal["displacement", "r", "v", "reaction"]
 Component = Literal["x", "y", "z"]
 COMPONENTS = ("x", "y", "z")
 
@@ -46,11 +45,7 @@ class Plots:
         Raises ModelError when there is no such instant.
         """
         result = self.result
-        count = len(result.t)
-        if not isinstance(at, (int, np.integer)) or isinstance(at, bool) or not -count <= at < count:  # pyright: ignore
-            raise ModelError(
-                f"there is no saved instant {shown(at)}", f"instants are 0 … {count - 1}, or -1 for the last"
-            )
+        at = draw.instant(result, at)
         stage = draw.stage(result, ax)
         draw.ghost(stage, result)
         for rod in result.mesh.rods:
@@ -110,7 +105,7 @@ class Plots:
                 pen.plot(result.t, due, color=draw.GREY, lw=1.4, ls=":", label="start + work - dissipated")
         if residual:
             draw.residual(pen.twinx(), energy.residual, result)
-        return draw.finish(pen, "energy", result.name, below=ax is None)
+        return draw.finish(pen, labelled(result, "energy", "force·length"), result.name, below=ax is None)
 
     def momentum(self, ax: Axes | None = None) -> Axes:
         """Components of linear momentum (full lines) and of angular momentum about the origin (dashed).
@@ -123,47 +118,102 @@ class Plots:
         pen = draw.curves(result, ax)
         draw.components(pen, result, result.momentum.linear, "L", "-")
         draw.components(pen, result, result.momentum.angular, "J", "--")
-        return draw.finish(pen, "linear L, angular J", result.name, below=ax is None)
+        units = [unit(result, f"force·{x}time") for x in ("", "length·")]
+        return draw.finish(pen, f"linear L [{units[0]}], angular J [{units[1]}]", result.name, below=ax is None)
 
-    def history(self, node: str | int, quantity: Quantity = "displacement", ax: Axes | None = None) -> Axes:
-        """Components of one node's ``displacement``, position ``r``, velocity ``v`` or ``reaction`` in time.
+    def history(
+        self, of: Of = None, quantity: str = "displacement", component: str | None = None, others: Others = (),
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """A quantity in time; its components, or one ``component`` of it.
 
-        A reaction shows force (full lines) and moment (dashed). Raises ModelError for an unknown node or
-        quantity.
+        ``of`` is a node by name or index, a point of a rod as (rod, arclength), the name of a link, contact or joint,
+        or nothing for energies and momenta. ``quantity`` has the name that it has in ``result.to_pandas``, without the
+        component; "N", "M1" and the like are components by themselves. ``others`` are results to draw beside, by label
+        or one after the other. Raises ModelError for what there is not.
         """
-        result = self.result
-        words = {"displacement": "u", "r": "", "v": "v", "reaction": "F"}
-        choice(quantity, "history of", words)
-        values: Array = getattr(result.node(node), quantity)
-        pen = draw.curves(result, ax)
-        draw.components(pen, result, values[:, :3], words[quantity], "-")
-        if quantity == "reaction":
-            draw.components(pen, result, values[:, 3:], "M", "--")
-        name = {"r": "position", "v": "velocity"}.get(quantity, quantity)
-        title = f"{result.name}: {result.mesh.label(result.mesh.node(node))}"
-        return draw.finish(pen, name, title, below=ax is None)
+        return curves.history(self.result, of, quantity, component, others, ax)
 
-    def path(self, node: str | int, component: Component, ax: Axes | None = None) -> Axes:
-        """Load factor over one displacement of one node, with the limit points marked.
+    def orbit(
+        self, of: Of, x: str | tuple[str, str] = ("r", "x"), y: str | tuple[str, str] = ("r", "y"),
+        others: Others = (), ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """One quantity over another, as ("r", "x") and ("r", "y") for an orbit; the start is open, the end full.
+
+        ("displacement", "x") over ("v", "x") is a phase plot. Quantities and ``of`` as in :meth:`history`; what the
+        whole run has goes with any. Raises ModelError for what there is not, and for more than one component.
+        """
+        return curves.orbit(self.result, of, x, y, others, ax)
+
+    def section_forces(
+        self, rods: Sequence[str] | str | None = None, components: Sequence[str] | str = FORCES, at: int = -1,
+        envelope: bool = False, others: Others = (), ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """Section forces or strains along the arclength at one instant: N, V1, V2, M1, M2, T.
+
+        Moments are dashed and have a scale of their own. Several rods (all, unless named) follow one another.
+        ``envelope=True`` fills what every component goes through in the run. An element draws the polynomial through
+        its stress points. Raises ModelError for an unknown rod, component or instant.
+        """
+        return sections.along(self.result, rods, components, at, envelope, others, ax)
+
+    def diagram(self, component: str = "M1", at: int = -1, scale: float | None = None, ax: Axes | None = None) -> Axes:
+        """One component of the section forces (or strains) on the deformed axis, ordinates along a director.
+
+        V2 and M1 go along d2, others along d1; in a plane picture along the one in the plane. ``scale`` is length per
+        force, such that the largest has 15 % of the model's size unless given. Raises ModelError as above.
+        """
+        return sections.diagram(self.result, component, at, scale, ax)
+
+    def ledger(self, ax: Axes | None = None) -> Axes:
+        """The energy by its sources: below what came in and from where, above what became of it.
+
+        Both sides are equal but for the residual, whose largest value the legend says.
+        """
+        return ledger.ledger(self.result, ax)
+
+    def newton(self, others: Others = (), ax: Axes | None = None) -> Axes:
+        """Newton iterations of every step taken."""
+        return convergence.newton(self.result, others, ax)
+
+    def refinement(
+        self, others: Sequence[Result], of: Of = None, quantity: str | Callable[[Result], Any] = "displacement",
+        component: str | None = None, exact: float | None = None, by: Literal["elements", "dt"] | None = None,
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """Error at the last instant over the number of elements or the time step, both logarithmic, and its order.
+
+        The error is the distance from ``exact``, or from the finest of the results. ``quantity`` as in :meth:`history`,
+        or a function of a result. Raises ModelError for results that show no convergence.
+        """
+        return convergence.refinement((self.result, *others), of, quantity, component, exact, by, ax)
+
+    def path(self, node: str | int, component: Component, others: Others = (), ax: Axes | None = None) -> Axes:
+        """Load factor over one displacement of one node, with the limit points marked; ``others`` drawn beside.
 
         Raises ModelError for an unknown node or component, and for a motion.
         """
-        result = self.result
-        if result.kind != "static":
+        result, runs = self.result, list(curves.several(self.result, others))
+        if any(one.kind != "static" for _, one in runs):
             raise ModelError("a motion has no load factor to draw", "plot history, or follow a path with solve_static")
         choice(component, "component", COMPONENTS)
-        moved = result.node(node).displacement[:, COMPONENTS.index(component)]
+        k = COMPONENTS.index(component)
+        moves = [one.node(node).displacement[:, k] for _, one in runs]
         pen = draw.curves(result, ax)
-        pen.plot(moved, result.load_factor, color=draw.BLUE, lw=1.8, **draw.dots(result))
+        for number, ((label, one), moved) in enumerate(zip(runs, moves, strict=True)):
+            style: dict[str, Any] = {"color": draw.PALETTE[number % len(draw.PALETTE)], "lw": 1.8, **draw.dots(one)}
+            pen.plot(moved, one.load_factor, label=draw.plain(label) or None, **style)
+        if len(runs) > 1:
+            pen.legend(frameon=False, fontsize=9)
         for point in result.turning_points:
-            at = float(moved[point.index]), point.load_factor
+            at = float(moves[0][point.index]), point.load_factor
             pen.plot(*at, ls="", marker="o", ms=6, color=draw.ORANGE)
             pen.annotate(
                 f"{point.load_factor:.6g}", at, (0, 7 if "maximum" in point.kind else -15), textcoords="offset points",
                 color=draw.ORANGE, ha="center", fontsize=9,
             )  # fmt: skip
         label = draw.plain(result.mesh.label(result.mesh.node(node)))
-        pen.set_xlabel(f"$u_{component}$ of {label}")
+        pen.set_xlabel(labelled(result, f"$u_{component}$ of {label}", "length"))
         pen.set_ylabel(draw.clock(result))
         pen.set_title(draw.plain(result.name), fontsize=11)
         pen.margins(y=0.12)
@@ -187,102 +237,14 @@ class Plots:
                 )
         pen = draw.curves(self.result, ax)
         for k, result in enumerate(every):
-            colour = (draw.BLUE, draw.ORANGE, *OTHERS)[k % 5]
+            colour = draw.PALETTE[k % len(draw.PALETTE)]
             draw.branch(pen, result, result.node(node).displacement[:, COMPONENTS.index(component)], colour)
         pen.plot([], [], color=draw.GREY, lw=1.8, label="stable")
         pen.plot([], [], color=draw.GREY, lw=1.4, ls=(0, (4, 3)), label="unstable")
         pen.legend(frameon=False, loc="best")
         label = draw.plain(self.result.mesh.label(self.result.mesh.node(node)))
-        pen.set_xlabel(f"$u_{component}$ of {label}")
+        pen.set_xlabel(labelled(self.result, f"$u_{component}$ of {label}", "length"))
         pen.set_ylabel(draw.clock(self.result))
         pen.set_title(draw.plain(self.result.name), fontsize=11)
         pen.margins(y=0.08)
         return pen
-
-
-def compare_energy_momentum(results: Mapping[str, Result], path: str | PathLike[str], snapshots: int = 7) -> str:
-    """Write one picture (PNG, PDF, SVG by its ending): momenta, energy and snapshots; returns its path.
-
-    ``results`` maps a label to a dynamic result. The first is the conserving one: it gives the energy's
-    scale, its kinetic and stored parts, and the snapshots. A run that did not reach its end is marked with
-    a cross and the time. After Figures 7-9 of Romero and Armero, IJNME 54 (2002) 1683-1716.
-    Raises ModelError when there is nothing to compare, for a static result, and when the file cannot be
-    written.
-    """
-    snapshots, file = whole(snapshots, "snapshots", 1), checks.file(path, "path")
-    if not results:
-        raise ModelError("there is no result to compare", "give at least one, such as {'energy-momentum': result}")
-    for label, result in results.items():
-        if result.kind == "static":
-            raise ModelError("a static result has no momentum", "give results of simulate", f"results[{label!r}]")
-    draw.need_matplotlib()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure: Any = Figure(figsize=(12.0, 7.2), layout="constrained")
-    FigureCanvasAgg(figure)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.5, 1.0))
-    panels = upper.subplots(1, 3)
-    (first_label, first), *others = results.items()
-    for pen, history, letter in ((panels[0], "linear", "L"), (panels[1], "angular", "J")):
-        title = f"{history} momentum"
-        draw.components(pen, first, getattr(first.momentum, history), letter, "-")
-        for k, (label, result) in enumerate(others):
-            values, colour = getattr(result.momentum, history), OTHERS[k % 3]
-            pen.plot(result.t, values, color=colour, lw=1.6, ls=(0, (3, 4)), label=[draw.plain(label), None, None])
-            if not result.success:
-                pen.plot(np.full(3, result.t[-1]), values[-1], ls="", marker="x", ms=8, mew=2.2, color=colour)
-        draw.finish(pen, title, title, below=True)
-    _total_energies(panels[2], first_label, first, others)
-    for pen in panels:
-        pen.set_xlabel("t")
-        draw.dress(pen)
-    _snapshots(lower, first_label, first, snapshots)
-    if file.suffix[1:] not in figure.canvas.get_supported_filetypes():
-        raise ModelError(f"{file} names no known kind of picture", "end it in .png, .pdf or .svg")
-    try:
-        figure.savefig(file, dpi=160)
-    except OSError as error:
-        raise ModelError(f"cannot write {file}: {error.strerror}", "choose a file in a folder that exists") from None
-    return str(file)
-
-
-def _total_energies(pen: Any, label: str, first: Result, others: list[tuple[str, Result]]) -> None:
-    draw.energies(pen, first, f"total, {draw.plain(label)}")
-    peak = max([float(first.energy.total.max())] + [float(r.energy.total.max()) for _, r in others])
-    # a run that blew up by orders of magnitude must not flatten the conserving curve
-    top = min(peak, 4.0 * float(first.energy.total.max())) * 1.12 or 1.0
-    for k, (name, result) in enumerate(others):
-        colour, total = OTHERS[k % 3], result.energy.total
-        pen.plot(result.t, total, color=colour, lw=1.6, ls="-.", label=f"total, {draw.plain(name)}")
-        if not result.success:
-            end, height = float(result.t[-1]), min(float(total[-1]), 0.96 * top)
-            pen.plot([end], [height], ls="", marker="x", ms=10, mew=2.6, color=colour)
-            off = float(total[-1]) > top  # the curve has left the panel before it stopped
-            pen.annotate(
-                f"stops at {draw.clock(result)} = {end:.4g}" + (f"\n(energy {total[-1]:.3g})" if off else ""),
-                (end, height), (0, -10) if off else (-9, 0), textcoords="offset points", color=colour,
-                ha="center" if off else "right", va="top" if off else "center", fontsize=9,
-            )  # fmt: skip
-    draw.finish(pen, "energy", "energy", below=True)
-    pen.set_ylim(0.0, top)
-
-
-def _snapshots(figure: Any, label: str, result: Result, count: int) -> None:
-    """Shapes side by side at one scale, each about its own centre, since a free body wanders off."""
-    picked = draw.evenly(count, len(result.t))
-    centres = result.r[picked].mean(axis=1)
-    reach = float(np.abs(result.r[picked] - centres[:, None]).max()) or 1.0
-    figure.suptitle(f"snapshots of the motion, {draw.plain(label)}", fontsize=10, color=draw.INK)
-    axes = figure.subplots(1, len(picked), subplot_kw={"projection": "3d"}, squeeze=False)[0]
-    for pen, k, centre in zip(axes, picked, centres, strict=True):
-        stage = draw.Stage(pen, (0, 1, 2))
-        for rod, colour in zip(
-            result.mesh.rods, (draw.BLUE, draw.INK, draw.ORANGE) * len(result.mesh.rods), strict=False
-        ):
-            stage.line(draw.axis_line(rod, result.r[k]), color=colour, lw=2.4, solid_capstyle="round")
-        for limits, middle in zip((pen.set_xlim, pen.set_ylim, pen.set_zlim), centre, strict=True):
-            limits(middle - reach, middle + reach)
-        pen.set_box_aspect((1, 1, 1), zoom=1.6)
-        pen.set_axis_off()
-        pen.set_title(f"t = {result.t[k]:.4g}", fontsize=9, y=-0.1, color=draw.INK)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Literal
@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import points
 from directrix.audit import Audit
 from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
@@ -28,8 +29,11 @@ Progress = Callable[[float, str], None]
 class Recorder:
     """Grows one row per saved instant; arrays are copied, so the solver may reuse its own."""
 
-    def __init__(self, disc: Discretisation, kind: Literal["static", "dynamic"]) -> None:
+    def __init__(
+        self, disc: Discretisation, kind: Literal["static", "dynamic"], record: Sequence[points.Recorder] = ()
+    ) -> None:
         self.disc = disc
+        self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[tuple[Array, ...]] = []
         self.iterations: list[int] = []
@@ -51,9 +55,11 @@ class Recorder:
                 x[n:, :HISTORY].copy(), books.joints[:, :6].copy(),
             )
         )  # fmt: skip
+        self.live.write(t, r, x[:n, 24:27], books.strains, lambda: self._pulled(books.strains, scalars))
 
     def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
         """Everything saved so far as a Result."""
+        self.live.close()
         scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
@@ -90,6 +96,10 @@ class Recorder:
             links=self.disc.link_states(r, rotation),
             contacts=self.disc.contact_states(r),
         )
+
+    def _pulled(self, strain: Array, scalars: Array) -> Array:
+        """Section forces (stations, 6) of one instant."""
+        return self.disc.section_force(self._stressed(strain[None], scalars[None]))[0]
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:
         sources = self.disc.sources

@@ -15,6 +15,10 @@ from directrix.checks import shown
 from directrix.errors import ModelError
 
 if TYPE_CHECKING:
+    import pandas
+    import pyvista
+    import xarray
+
     from directrix.audit import Audit
     from directrix.critical import PathStability
     from directrix.plot import Plots
@@ -393,6 +397,56 @@ class Result:
         from directrix.storage.vtkhdf import save
 
         return save(self, path)
+
+    def to_pandas(self, table: str = "nodes") -> pandas.DataFrame:
+        """One table as a DataFrame; see :func:`directrix.exports.to_pandas`."""
+        from directrix.exports import to_pandas
+
+        return to_pandas(self, table)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Everything as labelled arrays; see :func:`directrix.exports.to_xarray`."""
+        from directrix.exports import to_xarray
+
+        return to_xarray(self)
+
+    def to_pyvista(self, at: int | None = None) -> pyvista.PolyData | pyvista.MultiBlock:
+        """One saved instant, or all, for PyVista; see :func:`directrix.exports.to_pyvista`."""
+        from directrix.exports import to_pyvista
+
+        return to_pyvista(self, at)
+
+    def to_csv(self, folder: str | PathLike[str]) -> str:
+        """Write every table as a CSV file into a folder, which it returns; see :func:`directrix.exports.to_csv`."""
+        from directrix.exports import to_csv
+
+        return to_csv(self, folder)
+
+    def to_npz(self, path: str | PathLike[str]) -> str:
+        """Write the arrays for NumPy; returns the path. See :func:`directrix.exports.to_npz`."""
+        from directrix.exports import to_npz
+
+        return to_npz(self, path)
+
+    def to_mat(self, path: str | PathLike[str]) -> str:
+        """Write the arrays for MATLAB; returns the path. See :func:`directrix.exports.to_mat`."""
+        from directrix.exports import to_mat
+
+        return to_mat(self, path)
+
+    def to_xlsx(self, path: str | PathLike[str]) -> str:
+        """Write every table as a sheet of an Excel file; returns the path. See :func:`directrix.exports.to_xlsx`."""
+        from directrix.exports import to_xlsx
+
+        return to_xlsx(self, path)
+
+    def to_gltf(
+        self, path: str | PathLike[str], *, frames: int = 240, duration: float | None = None, up: str = "z"
+    ) -> str:
+        """Write an animation for any viewer of 3-D scenes; returns the path. See :func:`directrix.exports.to_gltf`."""
+        from directrix.exports import to_gltf
+
+        return to_gltf(self, path, frames=frames, duration=duration, up=up)
 
     def __str__(self) -> str:
         from directrix.audit import report

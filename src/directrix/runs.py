@@ -7,7 +7,8 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from fnmatch import fnmatch
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -24,6 +25,7 @@ Json: TypeAlias = "dict[str, Json] | list[Json] | str | int | float | bool | Non
 
 RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "view.html"
 PICTURES, BESIDE = ("energy", "momentum", "motion"), "comparison.png"
+RECORDS = "record-*.csv"  # of the points that a case records, written while it runs
 OURS = {RESULT, SUMMARY, MONITOR, VIEW, BESIDE, *(f"{p}.png" for p in PICTURES)}
 
 
@@ -58,7 +60,7 @@ class RunFolder:
             raise InputError(
                 f"cannot be written: {error.strerror}", "name another folder with --out", str(path)
             ) from None
-        foreign = sorted(names - OURS)
+        foreign = sorted(name for name in names - OURS if not fnmatch(name, RECORDS))
         if foreign:
             raise InputError(
                 f"holds files that are not of a run: {_few(foreign)}",
@@ -72,6 +74,12 @@ class RunFolder:
                 str(path),
             )
         return cls(path)
+
+    def recording(self, case: Case) -> Case:
+        """The case, so that what it records goes here; records of an earlier run go away."""
+        for old in self.path.glob(RECORDS):
+            old.unlink()
+        return replace(case, record_in=self.path)
 
     def write(self, case: Case, result: Result) -> Iterator[Path]:
         """Write result, summary and monitor, in place of an earlier run's; yields each path when it is there."""
@@ -96,7 +104,7 @@ class RunFolder:
             pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
             yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
             if beside:
-                from directrix.plot import compare_energy_momentum
+                from directrix.comparison import compare_energy_momentum
 
                 yield Path(compare_energy_momentum(beside, self.path / BESIDE))
 

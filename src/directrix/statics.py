@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix import points
 from directrix.audit import StaticBooks
 from directrix.checks import choice, flag, reporting, whole
 from directrix.contact_groups import refuse_rod_contacts
@@ -53,6 +55,7 @@ def solve_static(
     linear: Petsc | str | None = None,
     rotation: str = "exponential",
     stability: bool | None = None,
+    record: Sequence[points.Recorder] = (),
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -89,6 +92,8 @@ def solve_static(
         Whether to count the negative pivots of the stiffness at every saved state (:attr:`Result.stability`) and, with
         a ``control``, to look for critical points; True with a control unless said otherwise. Where loads have no
         potential there is nothing to read, and ``info["stability"]`` says why.
+    record
+        Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     linear
         "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
@@ -128,7 +133,7 @@ def solve_static(
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
-    recorder = Recorder(disc, "static")
+    recorder = Recorder(disc, "static", record)
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:

@@ -16,6 +16,8 @@ from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
 from directrix.model import Model, Vec
+from directrix.points import Recorder, place
+from directrix.result import Mesh
 from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
@@ -25,7 +27,7 @@ from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
 
-__all__ = ["build_control", "build_model", "placed"]
+__all__ = ["build_control", "build_model", "build_records", "placed"]
 
 Add = Callable[[Model], Model]
 
@@ -93,6 +95,20 @@ def build_control(table: m.ArcLength | m.DisplacementControl | None) -> Control 
                 load_step=table.load_step,
                 branch=table.branch,
             )
+
+
+def build_records(tables: m.CaseFile, source: Source, mesh: Mesh) -> tuple[Recorder, ...]:
+    """The recorders of a case, with names of files in no folder. Raises InputError for a place that is not there."""
+    out: list[Recorder] = []
+    for k, table in enumerate(tables.record):
+        with placed(source, ("record", k)):
+            place(mesh, table.rod, table.s)
+            one = Recorder(table.rod, table.s, table.quantities)
+            one = Recorder(table.rod, table.s, table.quantities, f"record-{table.name or one.name}.csv")
+            if one.file in (other.file for other in out):
+                raise ModelError(f"another record writes {one.file} too", "give it a name of its own")
+            out.append(one)
+    return tuple(out)
 
 
 def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:

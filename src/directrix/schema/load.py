@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from directrix import checks, controls
 from directrix.errors import InputError, ModelError
-from directrix.schema.build import build_control, build_model, placed
+from directrix.schema.build import build_control, build_model, build_records, placed
 from directrix.schema.messages import Source, explain
 from directrix.schema.models import (
     PARAMETERS,
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
+    from directrix.points import Recorder
     from directrix.result import Result
 
 __all__ = ["Case", "json_schema", "load_case"]
@@ -54,6 +55,8 @@ class Case:
     output : the ``[output]`` table
     source : the file
     sha256 : of the file's bytes
+    records : the ``[[record]]`` tables
+    record_in : the folder that their files go to; without one nothing is recorded
     """
 
     title: str
@@ -63,6 +66,8 @@ class Case:
     output: Output
     source: Path
     sha256: str
+    records: tuple[Recorder, ...] = ()
+    record_in: Path | None = None
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
@@ -109,6 +114,7 @@ class Case:
                 tolerance=do.tolerance,
                 threads=threads,
                 save_every=save_every,
+                record=self._recorders(),
                 progress=progress,
             )
         return simulate(
@@ -120,8 +126,13 @@ class Case:
             tolerance=do.tolerance,
             threads=threads,
             save_every=save_every,
+            record=self._recorders(),
             progress=progress,
         )
+
+    def _recorders(self) -> list[Recorder]:
+        folder = self.record_in
+        return [] if folder is None else [replace(one, path=folder / one.file) for one in self.records]
 
     @staticmethod
     def _formulation(do: Statics) -> Formulation:
@@ -185,7 +196,7 @@ def load_case(path: str | PathLike[str]) -> Case:
     if tables.statics is not None and tables.statics.control is not None:
         with placed(source, ("statics", "control")):
             _check_control(case.control, disc, tables.statics.control)
-    return case
+    return replace(case, records=build_records(tables, source, disc.mesh))
 
 
 def _check_control(control: Control | None, disc: Discretisation, table: ArcLength | DisplacementControl) -> None:

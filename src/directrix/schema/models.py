@@ -597,6 +597,20 @@ class Output(Strict):
     """Keep every so many steps; the last one is always kept."""
 
 
+class Record(Strict):
+    """A point of a rod whose history goes to ``record-NAME.csv`` while the run goes on."""
+
+    rod: Name
+    s: NotNegative
+    """Arclength on the reference axis; any, not only that of a node."""
+    quantities: Annotated[
+        tuple[Literal["r", "displacement", "v", "strain", "force"], ...], Field(strict=False, min_length=1)
+    ] = ("r", "force")
+    """Position, displacement, velocity; strain and section force in the section's frame."""
+    name: Annotated[str, Field(pattern=r"^[\w.-]+$")] | None = None
+    """Of the file; default: rod and ``s``."""
+
+
 class CaseFile(Strict):
     """A case: sections, rods, nodes, what joins, holds, moves and loads them, and one analysis."""
 
@@ -628,6 +642,7 @@ class CaseFile(Strict):
     rigid_velocity: RigidVelocity | None = None
     statics: Statics | None = None
     dynamics: Dynamics | None = None
+    record: Annotated[tuple[Record, ...], Field(strict=False)] = ()
     output: Output = Output()
 
     @property

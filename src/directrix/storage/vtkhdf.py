@@ -17,7 +17,7 @@ import io
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from directrix.audit import Audit, Entry
 from directrix.critical import CriticalPoint, PathStability
 from directrix.errors import InputError
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
+from directrix.storage.fields import cell_data, field_data, lines, one_after_the_other, point_data, points_of
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,6 @@ __all__ = ["FORMAT", "load", "save"]
 
 FORMAT = 1  # of /directrix; raised when an older directrix could no longer read it
 CHUNK = 2**18  # bytes; well within HDF5's cache, about what one instant of a large frame takes
-FORCES = ("shear_1", "shear_2", "axial_force", "bending_moment_1", "bending_moment_2", "torque")
 HISTORIES = ("t", "load_factor", "r", "R", "v", "Rdot", "reaction", "strain", "force", "iterations")
 
 
@@ -50,8 +50,8 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
     interrupted or failed save leaves the old file as it was. Raises InputError when it cannot be written.
 
     ParaView shows as point data the displacement, velocity, directors d1, d2, d3 and arclength, as cell
-    data the mean section forces of each element in the section's frame, and as field data the
-    energies. Both carry the index of the rod. Time is ``result.t`` where that increases strictly,
+    data the mean section forces and strains of each element in the section's frame, and as field data the
+    energies. The first two carry the index of the rod. Time is ``result.t`` where that increases strictly,
     else (a load factor that turns back) the number of the saved instant.
     """
     where = str(checks.file(path, "path"))
@@ -119,8 +119,8 @@ def load(path: str | os.PathLike[str]) -> Result:
 
 def _write_vtk(root: h5py.Group, result: Result) -> None:
     mesh, t = result.mesh, result.t
-    nodes = _one_after_the_other([rod.nodes for rod in mesh.rods]).astype(np.int64)
-    connectivity, offsets = _lines(mesh)
+    nodes = points_of(mesh)
+    connectivity, offsets = lines(mesh)
     points, cells, instants = len(nodes), len(offsets) - 1, len(t)
 
     root.attrs["Type"] = np.bytes_("PolyData")  # readers ask for a string of fixed length
@@ -148,65 +148,14 @@ def _write_vtk(root: h5py.Group, result: Result) -> None:
         _put(steps, name, np.zeros((instants, 4), np.int64))  # vertices, lines, polygons, strips
 
     for kind, rows, arrays in (
-        ("PointData", points, _point_data(result, nodes)),
-        ("CellData", cells, _cell_data(result)),
-        ("FieldData", 1, _field_data(result)),
+        ("PointData", points, point_data(result)),
+        ("CellData", cells, cell_data(result)),
+        ("FieldData", 1, field_data(result)),
     ):
         group, starts = root.create_group(kind), steps.create_group(f"{kind}Offsets")
         for name, values in arrays:  # (instants or 1, rows, ...)
             _put(group, name, values.reshape(len(values) * rows, *values.shape[2:]))
             _put(starts, name, count * rows if len(values) == instants else still)
-
-
-def _lines(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Points of every element in turn, and where each element starts (and the last one ends) among them."""
-    ids: list[NDArray[np.int64]] = []
-    sizes: list[NDArray[np.int64]] = []
-    start = 0
-    for rod in mesh.rods:
-        elements = (len(rod.nodes) - 1) // rod.order
-        ids.append((start + rod.order * np.arange(elements)[:, None] + np.arange(rod.order + 1)).ravel())
-        sizes.append(np.full(elements, rod.order + 1))
-        start += len(rod.nodes)
-    ends = np.cumsum(_one_after_the_other(sizes))
-    return _one_after_the_other(ids).astype(np.int64), np.concatenate([[0], ends]).astype(np.int64)
-
-
-def _one_after_the_other(parts: list[Any], *shape: int) -> NDArray[Any]:
-    """The parts along their first axis, which models without rods do not have: rows of ``shape`` then."""
-    return np.concatenate(parts) if parts else np.zeros((0, *shape))
-
-
-def _point_data(result: Result, nodes: NDArray[np.int64]) -> Iterator[tuple[str, NDArray[Any]]]:
-    rods = result.mesh.rods
-    yield "displacement", (result.r - result.mesh.r0)[:, nodes]
-    yield "velocity", result.v[:, nodes]
-    reference = _one_after_the_other([rod.directors for rod in rods], 3, 3)
-    rotation = result.R[:, nodes]
-    for k in range(3):
-        yield f"d{k + 1}", np.einsum("tnij,nj->tni", rotation, reference[:, :, k])
-    yield "arclength", _one_after_the_other([rod.s for rod in rods])[None]
-    yield "rod", np.repeat(np.arange(len(rods)), [len(rod.nodes) for rod in rods])[None]
-
-
-def _cell_data(result: Result) -> Iterator[tuple[str, NDArray[Any]]]:
-    rods = result.mesh.rods
-    elements = [(len(rod.nodes) - 1) // rod.order for rod in rods]
-    means: list[Array] = []
-    for rod, count in zip(rods, elements, strict=True):
-        part = result.force[:, rod.first_station : rod.first_station + len(rod.stations)]
-        weights = 0.5 * np.polynomial.legendre.leggauss(len(rod.stations) // count)[1]
-        means.append(np.einsum("tepi,p->tei", part.reshape(len(part), count, -1, 6), weights))
-    mean = np.concatenate([result.force[:, :0], *means], axis=1)
-    for k, name in enumerate(FORCES):
-        yield name, mean[..., k]
-    yield "rod", np.repeat(np.arange(len(rods)), elements)[None]
-
-
-def _field_data(result: Result) -> Iterator[tuple[str, Array]]:
-    yield "load_factor", result.load_factor[:, None]
-    for name in ("kinetic", "stored", "total", "work"):
-        yield f"energy_{name}", getattr(result.energy, name)[:, None]
 
 
 # ---- /directrix ----
@@ -257,7 +206,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     _put(group, "joint_nodes", mesh.joint_nodes)
     _put(group, "joint_arms", mesh.joint_arms)
     for name in ("nodes", "s", "directors", "stations", "outline"):
-        _put(group, name, _one_after_the_other([getattr(rod, name) for rod in mesh.rods]))
+        _put(group, name, one_after_the_other([getattr(rod, name) for rod in mesh.rods]))
 
 
 def _read_result(root: Any) -> Result:
