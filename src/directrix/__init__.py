@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
-    from directrix.curves import arc, helix, line, polyline, spline
+    from directrix.curves import arc, helix, line, polyline, spline, twisted
     from directrix.dynamics import simulate
     from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
     from directrix.storage import load
+    from directrix.taper import taper
 
 __version__ = "0.1.0"
 
@@ -81,6 +82,8 @@ __all__ = [
     "solve_static",
     "spline",
     "table",
+    "taper",
+    "twisted",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
@@ -89,7 +92,7 @@ _HOME = {
     "continuation": ("continuation",),
     "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
-    "curves": ("arc", "helix", "line", "polyline", "spline"),
+    "curves": ("arc", "helix", "line", "polyline", "spline", "twisted"),
     "dynamics": ("simulate",),
     "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
@@ -111,6 +114,7 @@ _HOME = {
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
     "storage": ("load",),
+    "taper": ("taper",),
 }
 
 

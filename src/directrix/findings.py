@@ -125,8 +125,10 @@ def _no_inertia(model: Model) -> Iterator[Finding]:
 
 
 def _near(model: Model) -> Iterator[Finding]:
+    from directrix.model import place_on
+
     places = {
-        name: rod.curve.position(f * rod.curve.length)
+        name: place_on(rod.curve, f)
         for rod in model.rods
         for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]
     }
