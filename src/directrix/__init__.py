@@ -4,8 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from directrix import laws
+    from directrix import generate, laws
+    from directrix.beamdyn import beamdyn
     from directrix.branching import branches
+    from directrix.catenary import catenary
     from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.functions import harmonic, ramp, table
+    from directrix.geometry import centreline, from_dxf, from_graph, from_mesh
     from directrix.integrators import (
         EnergyDissipating,
         EnergyMomentum,
@@ -65,11 +68,18 @@ __all__ = [
     "Status",
     "TurningPoint",
     "arc",
+    "beamdyn",
     "branches",
     "buckling",
+    "catenary",
+    "centreline",
     "continuation",
     "ensemble",
     "form_find",
+    "from_dxf",
+    "from_graph",
+    "from_mesh",
+    "generate",
     "harmonic",
     "helix",
     "laws",
@@ -88,7 +98,9 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "beamdyn": ("beamdyn",),
     "branching": ("branches",),
+    "catenary": ("catenary",),
     "continuation": ("continuation",),
     "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
@@ -98,6 +110,7 @@ _HOME = {
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "geometry": ("centreline", "from_dxf", "from_graph", "from_mesh"),
     "functions": ("harmonic", "ramp", "table"),
     "integrators": (
         "EnergyDissipating",
@@ -119,8 +132,8 @@ _HOME = {
 
 
 def __getattr__(name: str) -> object:
-    if name == "laws":
-        return import_module("directrix.laws")
+    if name in ("generate", "laws"):
+        return import_module(f"directrix.{name}")
     for module, names in _HOME.items():
         if name in names:
             value = globals()[name] = getattr(import_module(f"directrix.{module}"), name)

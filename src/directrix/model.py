@@ -177,6 +177,14 @@ class Model:
     rod_contacts: tuple[RodContact, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
+    imported: tuple[str, ...] = ()
+    """What was moved, merged or left out when geometry was read; ``notes`` repeats it."""
+
+    def graph(self, graph: Any, section: Any = None, **options: Any) -> Model:
+        """Add the edges of a networkx graph as rods; see :func:`dx.from_graph`, also for what is raised."""
+        from directrix.geometry.graph import from_graph
+
+        return from_graph(graph, section=section, model=self, **options)
 
     def node(self, name: str, at: Any) -> Self:
         """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
@@ -633,7 +641,7 @@ class Model:
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
-        said = [a for rod in self.rods for a in rod.section.assumptions]
+        said = [*self.imported, *(a for rod in self.rods for a in rod.section.assumptions)]
         places = self._places()
         names, points = list(places), np.array(list(places.values())).reshape(-1, 3)
         size = self._size(list(points))
