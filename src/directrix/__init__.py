@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from directrix import generate, laws
-    from directrix.beamdyn import beamdyn
+    from directrix.blades import beamdyn
     from directrix.branching import branches
-    from directrix.catenary import catenary
+    from directrix.chains import catenary
     from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
     from directrix.storage import load
-    from directrix.taper import taper
+    from directrix.tapered import taper
 
 __version__ = "0.1.0"
 
@@ -98,9 +98,9 @@ __all__ = [
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
-    "beamdyn": ("beamdyn",),
+    "blades": ("beamdyn",),
     "branching": ("branches",),
-    "catenary": ("catenary",),
+    "chains": ("catenary",),
     "continuation": ("continuation",),
     "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
@@ -127,7 +127,7 @@ _HOME = {
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
     "storage": ("load",),
-    "taper": ("taper",),
+    "tapered": ("taper",),
 }
 
 

@@ -133,7 +133,7 @@ def spring(
     if wire is None:
         sizes = np.linalg.norm(section.outline, axis=1) if len(section.outline) else np.zeros(1)
         wire = 2.0 * float(sizes.max())
-        if ends and (wire == 0.0 or np.ptp(sizes) > 1e-9 * wire):
+        if ends and (len(sizes) < 8 or np.ptp(sizes) > 1e-9 * wire):
             raise ModelError("end coils need the diameter of the wire", "give wire=")
     total = abs(n) + 2.0 * ends
     sense, blend = float(np.sign(n)), 0.25

@@ -167,7 +167,7 @@ def _axis(section: Any, axis: str | tuple[float, float]) -> Array:
 
 def _clean(at: Array, section: Any) -> Array:
     """Without what the mesh makes of zeros: a millionth of the section's size."""
-    size = float(np.ptp(section._mesh_nodes, axis=0).max())
+    size = float(np.ptp(section.mesh_nodes, axis=0).max())
     return np.where(np.abs(at) < 1e-5 * size, 0.0, at)
 
 

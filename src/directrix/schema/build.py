@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from directrix.catenary import catenary
+from directrix.chains import catenary
 from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
-from directrix.geometry.centreline import centreline
+from directrix.geometry.tables import centreline
 from directrix.model import Model, Vec
 from directrix.schema import joints as j
 from directrix.schema import models as m
@@ -28,7 +28,7 @@ from directrix.schema.geometry import build_geometry
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
-from directrix.taper import taper
+from directrix.tapered import taper
 
 __all__ = ["build_control", "build_model", "placed"]
 
@@ -106,7 +106,7 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     for name, table in tables.section.items():
         with placed(source, ("section", name)):
             sections[name] = _section(table, sections)
-    folder = FilePath(source.file).parent
+    folder = FilePath(source.name).parent
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections, folder)
     for k, made in enumerate(tables.geometry):

@@ -171,7 +171,7 @@ AnyGeometry = Annotated[
 def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: Path, model: Model) -> Model:
     """The model with the rods of a table; files are looked for in ``folder``. Raises ModelError."""
     from directrix import generate
-    from directrix.beamdyn import beamdyn
+    from directrix.blades import beamdyn
     from directrix.geometry import from_dxf, from_mesh
 
     given: dict[str, Any] = table.model_dump(exclude={"kind"}, exclude_unset=True)

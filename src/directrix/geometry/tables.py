@@ -90,7 +90,7 @@ def centreline(
     reach = number(smoothing, "smoothing", least=0.0)
     knots = points if reach == 0.0 else _smoothed(points, reach)
     plain = through(knots.tolist(), directors=directors, d1=d1)
-    gap = 0.0 if reach == 0.0 else _distance(plain, points)
+    gap = 0.0 if reach == 0.0 else _distance(knots, points)
     return Centreline(plain.points, plain.directors, plain.d1, gap, len(points))
 
 
@@ -198,7 +198,7 @@ def _smoothed(points: Array, reach: float) -> Array:
             raise ModelError(f"the points cannot be smoothed: {error}", "give smoothing=0") from None
         inner = max(4, 2 * len(np.unique(tck[0])))
         found = np.array(splev(np.linspace(0.0, 1.0, inner), tck)).T
-        if _distance(through(found.tolist()), points) <= reach:
+        if _distance(found, points) <= reach:
             low, best = s, found
             if trial == 0:
                 break
@@ -209,16 +209,17 @@ def _smoothed(points: Array, reach: float) -> Array:
     return best
 
 
-def _distance(curve: Spline, points: Array) -> float:
-    """Largest distance of a point from the curve, found from a fine table by bisection of the foot."""
-    s = np.linspace(0.0, curve.length, 8 * len(points) + 1)
-    at = curve.position(s)
+def _distance(knots: Array, points: Array) -> float:
+    """Largest distance of a point from the cubic spline by chord length through ``knots``, which is that of the axis."""
+    from scipy.interpolate import CubicSpline
     from scipy.spatial import KDTree
 
-    foot = s[KDTree(at).query(points)[1]]
-    step = s[1]
+    u = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1)))
+    curve = CubicSpline(u, knots)
+    table = np.linspace(0.0, u[-1], 8 * len(points) + 1)
+    foot, step = table[KDTree(curve(table)).query(points)[1]], table[1]
     for _ in range(30):
-        trial = np.clip(foot + np.array([[-step], [0.0], [step]]), 0.0, curve.length)
-        gap = np.linalg.norm(curve.position(trial) - points, axis=-1)
+        trial = np.clip(foot + np.array([[-step], [0.0], [step]]), 0.0, u[-1])
+        gap = np.linalg.norm(curve(trial) - points, axis=-1)
         foot, step = trial[np.argmin(gap, axis=0), np.arange(len(points))], 0.5 * step
-    return float(np.linalg.norm(curve.position(foot) - points, axis=-1).max())
+    return float(np.linalg.norm(curve(foot) - points, axis=-1).max())

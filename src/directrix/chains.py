@@ -48,7 +48,7 @@ class Catenary:
         high = 1.0
         while np.sinh(high) / high < ratio:
             high *= 2.0
-        q = float(brentq(lambda v: np.sinh(v) / v - ratio, 1e-12, high, xtol=1e-15, rtol=4e-16))
+        q = float(brentq(lambda v: np.sinh(v) / v - ratio, 1e-12, high, xtol=1e-15, rtol=1e-15))
         return 0.5 * span / q
 
     @cached_property

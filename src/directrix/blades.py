@@ -24,7 +24,7 @@ from directrix.curves import Curve, line, spline, twisted
 from directrix.errors import InputError, ModelError
 from directrix.model import Model
 from directrix.section import Section
-from directrix.taper import Tapered, taper
+from directrix.tapered import Tapered, taper
 
 Array = NDArray[np.float64]
 
