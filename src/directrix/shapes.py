@@ -116,9 +116,9 @@ def stress(
     columns: list[Array] = []
     for k in range(6):
         n1, n2, n3, m1, m2, m3 = np.eye(6)[k].tolist()
-        # moments about the centroid and the shear centre; their M_yy bends towards +x, ours about d2 towards −x
+        # moments about the centroid and the shear centre; its M_yy is −∫σ x, as ours about d2
         load = {
-            "n": n3, "vx": n1, "vy": n2, "mxx": m1 - c[1] * n3, "myy": -(m2 + c[0] * n3),
+            "n": n3, "vx": n1, "vy": n2, "mxx": m1 - c[1] * n3, "myy": m2 + c[0] * n3,
             "mzz": m3 - (s[0] * n2 - s[1] * n1),
         }  # fmt: skip
         if nodes is None:

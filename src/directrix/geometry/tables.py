@@ -210,7 +210,7 @@ def _smoothed(points: Array, reach: float) -> Array:
 
 
 def _distance(knots: Array, points: Array) -> float:
-    """Largest distance of a point from the cubic spline by chord length through ``knots``, which is that of the axis."""
+    """Largest distance of a point from the axis: the cubic spline by chord length through ``knots``."""
     from scipy.interpolate import CubicSpline
     from scipy.spatial import KDTree
 
