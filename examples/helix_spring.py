@@ -85,6 +85,7 @@ def draw(long: dx.Result, force: float, rate: float, path: Path) -> None:
         r = long.r[k, wire.nodes] + (shift, 0, 0)
         space.plot(*r.T, color=color, lw=2.5)
     space.set_aspect("equal")
+    space.set(yticks=(), xticks=(-0.03, 0.0, 0.03))
     space.set_title("free and pressed")
     right = figure.add_subplot(1, 2, 2)
     travel = -long.node("head").displacement[:, 2]

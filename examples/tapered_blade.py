@@ -93,6 +93,7 @@ def draw(far: dx.Result, path: Path) -> None:
     every = far.r[[0, -1]].reshape(-1, 3)
     low, high = every.min(axis=0) - 0.2, every.max(axis=0) + 0.2
     space.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(0, LENGTH), xlabel="x", ylabel="y", zlabel="z")
+    space.set(xticks=(0.0, 0.4), yticks=(0.0, 0.5))
     space.set_title("twisted by 90°, sections three times their size")
     space.set_aspect("equal")
     figure.savefig(path, dpi=130)

@@ -646,7 +646,8 @@ class Model:
         names, points = list(places), np.array(list(places.values())).reshape(-1, 3)
         size = self._size(list(points))
         joined = {frozenset(joint.nodes) for joint in self.joints}
-        for k, j in sorted(KDTree(points).query_pairs(SAME_PLACE * size)):
+        pairs: Any = KDTree(points).query_pairs(SAME_PLACE * size)  # pyright: ignore[reportUnknownMemberType]
+        for k, j in sorted(pairs):
             a, b = names[k], names[j]
             if frozenset((a, b)) not in joined:
                 said.append(

@@ -6,6 +6,9 @@ torsion constants of open profiles follow El Darwish and Johnston (J. Struct. Di
 formula of EN 10210-2; shear areas and shear centres are those of thin walls, A_s = I²/∫(Q/t)² dA.
 """
 
+# pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false, reportUnknownMemberType=false
+# pyright: reportUnknownLambdaType=false
+
 from __future__ import annotations
 
 import re

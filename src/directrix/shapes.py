@@ -4,6 +4,7 @@ Its x and y are d1 and d2. Elastic properties are those of its warping analysis:
 about the shear centre. Warping is left free: a rod has no degree of freedom for it.
 """
 
+# pyright: reportUnknownLambdaType=false
 # pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false, reportUnknownMemberType=false
 
 from __future__ import annotations

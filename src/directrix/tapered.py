@@ -1,5 +1,8 @@
 """Sections that vary along a rod: stations with sections between which 6×6 and inertia are linear, or a function."""
 
+# pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false, reportUnknownMemberType=false
+# pyright: reportUnknownLambdaType=false
+
 from __future__ import annotations
 
 from bisect import bisect_right

@@ -172,11 +172,11 @@ def _refuse_rows(points: Array, label: Sequence[str]) -> None:
     if len(points) < 3:
         raise ModelError(f"a centreline needs 3 points or more, {len(points)} given", "add points")
     for k in np.flatnonzero(~np.isfinite(points).all(axis=1)):
-        raise InputError("the point is not finite", "mend or remove it", label[k])
+        raise InputError("the point is not finite", "mend or remove it", label[int(k)])
     steps = np.diff(points, axis=0)
     sizes = np.linalg.norm(steps, axis=1)
     for k in np.flatnonzero(sizes <= 1e-12 * np.abs(points).max()):
-        raise InputError("the point is the same as the one before", "remove one of them", label[k + 1])
+        raise InputError("the point is the same as the one before", "remove one of them", label[int(k) + 1])
     cosine = np.einsum("ki,ki->k", steps[1:], steps[:-1]) / (sizes[1:] * sizes[:-1])
     for k in np.flatnonzero(cosine < TURNS_BACK):
         raise InputError(
