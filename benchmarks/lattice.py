@@ -13,8 +13,10 @@ import resource
 import sys
 import time
 from collections.abc import Callable
+from typing import Any
 
 import directrix as dx
+from directrix.curves import lines
 from directrix.discretisation import discretise
 from directrix.kernels import step
 from directrix.linear.condensed import Condensed
@@ -25,15 +27,18 @@ from directrix.state import initial_state
 def lattice(edge: int, elements: int = 4) -> dx.Model:
     """edge³ joints, one apart, clamped at the bottom."""
     section = dx.Section.circle(radius=0.02, E=1e9, nu=0.3, rho=1000)
-    model = dx.Model(name=f"lattice {edge}")
+    rods: list[dict[str, Any]] = []
     for place in itertools.product(range(edge), repeat=3):
         for axis in range(3):
             other = tuple(v + (k == axis) for k, v in enumerate(place))
             if max(other) < edge:
                 ends = ("{}.{}.{}".format(*place), "{}.{}.{}".format(*other))
-                model = model.rod(
-                    dx.line(place, other), section, name="-".join(ends), ends=ends, elements=elements, order=1
-                )
+                rods.append({"line": (place, other), "name": "-".join(ends), "ends": ends})
+    curves = lines(*zip(*(rod.pop("line") for rod in rods), strict=True))
+    model = dx.Model(name=f"lattice {edge}").add_rods(
+        {**rod, "curve": curve, "section": section, "elements": elements, "order": 1}
+        for rod, curve in zip(rods, curves, strict=True)
+    )
     for place in itertools.product(range(edge), repeat=2):
         model = model.clamp("{}.{}.0".format(*place))
     return model.gravity((0, 0, -9.81))

@@ -4,18 +4,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from directrix import laws
+    from directrix import generate, laws
+    from directrix.blades import beamdyn
     from directrix.branching import branches
+    from directrix.chains import catenary
     from directrix.contacts import Cylinder, Plane, Sphere
     from directrix.continuation import continuation
     from directrix.controls import ArcLength, DisplacementControl, Snapshot
-    from directrix.curves import arc, helix, line, polyline, spline
+    from directrix.curves import arc, helix, line, polyline, spline, twisted
     from directrix.dynamics import simulate
     from directrix.ensembles import Ensemble, ensemble
     from directrix.errors import ConvergenceError, DirectrixError, InputError, ModelError
     from directrix.form_finding import form_find
     from directrix.formulations import CrisfieldJelenic, Directors, SimoVuQuoc
     from directrix.functions import harmonic, ramp, table
+    from directrix.geometry import centreline, from_dxf, from_graph, from_mesh
     from directrix.integrators import (
         EnergyDissipating,
         EnergyMomentum,
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
     from directrix.storage import load
+    from directrix.tapered import taper
 
 __version__ = "0.1.0"
 
@@ -68,11 +72,18 @@ __all__ = [
     "Status",
     "TurningPoint",
     "arc",
+    "beamdyn",
     "branches",
     "buckling",
+    "catenary",
+    "centreline",
     "continuation",
     "ensemble",
     "form_find",
+    "from_dxf",
+    "from_graph",
+    "from_mesh",
+    "generate",
     "harmonic",
     "helix",
     "laws",
@@ -85,20 +96,25 @@ __all__ = [
     "solve_static",
     "spline",
     "table",
+    "taper",
+    "twisted",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
 _HOME = {
+    "blades": ("beamdyn",),
     "branching": ("branches",),
+    "chains": ("catenary",),
     "continuation": ("continuation",),
     "contacts": ("Cylinder", "Plane", "Sphere"),
     "controls": ("ArcLength", "DisplacementControl", "Snapshot"),
-    "curves": ("arc", "helix", "line", "polyline", "spline"),
+    "curves": ("arc", "helix", "line", "polyline", "spline", "twisted"),
     "dynamics": ("simulate",),
     "ensembles": ("Ensemble", "ensemble"),
     "errors": ("ConvergenceError", "DirectrixError", "InputError", "ModelError"),
     "form_finding": ("form_find",),
     "formulations": ("CrisfieldJelenic", "Directors", "SimoVuQuoc"),
+    "geometry": ("centreline", "from_dxf", "from_graph", "from_mesh"),
     "functions": ("harmonic", "ramp", "table"),
     "integrators": (
         "EnergyDissipating",
@@ -117,12 +133,13 @@ _HOME = {
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
     "storage": ("load",),
+    "tapered": ("taper",),
 }
 
 
 def __getattr__(name: str) -> object:
-    if name == "laws":
-        return import_module("directrix.laws")
+    if name in ("generate", "laws"):
+        return import_module(f"directrix.{name}")
     for module, names in _HOME.items():
         if name in names:
             value = globals()[name] = getattr(import_module(f"directrix.{module}"), name)

@@ -106,7 +106,7 @@ class DynamicBooks:
     def __init__(self, disc: Discretisation, integrator: Integrator, first: Books, dt: float) -> None:
         self.integrator, self.dt = integrator, dt
         self.mass = sum(
-            rod.section.A_rho * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
+            rod.section.mean_mass * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         ) + sum(body.mass for body in disc.model.bodies)
         # the energy of strains of 1e-8: what a rod at rest has by rounding is far below and proves nothing
         self.least = 0.5e-16 * sum(

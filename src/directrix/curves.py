@@ -8,6 +8,7 @@ aligned with the tangent, ties to the lowest index.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -23,7 +24,9 @@ from directrix.rotations import exp, smallest_rotation
 Array = NDArray[np.float64]
 DirectorRule = Literal["tangent", "chord"]
 
-__all__ = ["Arc", "Curve", "Helix", "Polyline", "Spline", "arc", "helix", "line", "polyline", "spline"]
+__all__ = [
+    "Arc", "Curve", "Helix", "Polyline", "Spline", "Twisted", "arc", "helix", "line", "polyline", "spline", "twisted",
+]  # fmt: skip
 
 
 class Curve(Protocol):
@@ -334,6 +337,33 @@ def line(
     return curve
 
 
+def lines(starts: ArrayLike, ends: ArrayLike) -> list[Polyline]:
+    """Many straight axes at once, from ``starts`` (k, 3) to ``ends`` (k, 3): each is :func:`line` of its points.
+
+    Raises ModelError where points are no numbers or coincide.
+    """
+    a, b = (np.asarray(points, float) for points in (starts, ends))
+    if a.shape != b.shape or a.ndim != 2 or a.shape[1] != 3 or not (np.isfinite(a).all() and np.isfinite(b).all()):
+        raise ModelError("the ends of lines are not finite points (k, 3)", "give as many starts as ends")
+    parts = b - a
+    lengths = np.linalg.norm(parts, axis=1)
+    size = np.maximum(np.abs(a).max(axis=1, initial=0.0), np.abs(b).max(axis=1, initial=0.0))
+    for k in np.flatnonzero(lengths <= 1e-12 * size):
+        raise ModelError(f"points 0 and 1 of line {k} are the same, {tuple(a[k].tolist())}", "remove one of them")
+    tangents = parts / lengths[:, None]
+    wanted = np.eye(3)[np.argmin(np.round(np.abs(tangents), 12), axis=1)]
+    normal = wanted - np.einsum("ki,ki->k", wanted, tangents)[:, None] * tangents
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    frames = np.stack([normal, np.cross(tangents, normal), tangents], -1)
+    made: list[Polyline] = []
+    for first, last, length, frame in zip(a.tolist(), b.tolist(), lengths.tolist(), frames, strict=True):
+        curve = Polyline((tuple(first), tuple(last)))
+        # what the curve would work out for itself, one by one
+        curve.__dict__.update(_corners=np.array([0.0, length]), _frames=frame[None])
+        made.append(curve)
+    return made
+
+
 def polyline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayLike | None = None) -> Polyline:
     """Straight parts between points (k, 3); every corner gets a node. The frame turns least at a corner.
 
@@ -395,3 +425,76 @@ def spline(points: ArrayLike, *, directors: DirectorRule = "tangent", d1: ArrayL
     if not np.all(np.isfinite(frames)):
         raise ModelError("the spline turns back on itself in a point", "insert a point there or end the rod there")
     return curve
+
+
+@dataclass(frozen=True)
+class Twisted:
+    """A curve whose directors are turned about the tangent by an angle that is linear between ``fractions``."""
+
+    curve: Curve
+    fractions: tuple[float, ...]
+    angles: tuple[float, ...]
+    function: Callable[[float], float] | None = None
+
+    @property
+    def length(self) -> float:
+        """Of the curve."""
+        return self.curve.length
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Of the curve, and where the rate of twist changes."""
+        inner = () if self.function is not None else tuple(f * self.length for f in self.fractions[1:-1])
+        return tuple(sorted({*self.curve.breaks, *inner}))
+
+    @property
+    def directors(self) -> str:
+        """Rule of the curve."""
+        return self.curve.directors
+
+    def position(self, s: ArrayLike) -> Array:
+        """Points (…, 3)."""
+        return self.curve.position(s)
+
+    def frames(self, s: ArrayLike, inside: ArrayLike) -> Array:
+        """Frames (…, 3, 3) of the curve, turned about d3."""
+        at = np.asarray(s, float) / self.length
+        if self.function is None:
+            angle = np.interp(at, self.fractions, self.angles)
+        else:
+            angle = np.array([number(self.function(f), "twist") for f in at.ravel().tolist()]).reshape(at.shape)
+        turn = np.zeros((*at.shape, 3))
+        turn[..., 2] = angle
+        return self.curve.frames(s, inside) @ exp(turn)
+
+
+def twisted(curve: Curve, twist: Any) -> Twisted:
+    """A curve whose sections are twisted about it in the reference, without stress.
+
+    ``twist`` [rad], from d1 towards d2: the angle at the end of the curve, to which it grows with arclength; pairs
+    (fraction of the arclength, angle) from 0 to 1, linear between them; or a function of the fraction. A twisted rod
+    wants elements that turn by less than about half a radian. Raises ModelError for anything else.
+    """
+    if callable(twist):
+        for f in (0.0, 0.5, 1.0):
+            try:
+                number(twist(f), f"twist at fraction {f:g}")
+            except ModelError:
+                raise
+            except Exception as error:  # whatever a user's function raises
+                raise ModelError(
+                    f"the twist as a function fails at {f:g}: {error!r}", "return an angle for 0 … 1"
+                ) from error
+        return Twisted(curve, (0.0, 1.0), (0.0, 0.0), twist)
+    if isinstance(twist, (int, float)) and not isinstance(twist, bool):
+        return Twisted(curve, (0.0, 1.0), (0.0, number(twist, "twist")))
+    try:
+        pairs = [(number(f, "fraction of a twist"), number(a, "angle of a twist")) for f, a in twist]
+    except (TypeError, ValueError) as error:
+        if isinstance(error, ModelError):
+            raise
+        raise ModelError("twist is neither an angle nor pairs of them", "give [(0, 0.0), (1, 0.3)]") from None
+    fractions = tuple(f for f, _ in pairs)
+    if len(pairs) < 2 or fractions[0] != 0.0 or fractions[-1] != 1.0 or np.any(np.diff(fractions) <= 0.0):
+        raise ModelError("the fractions of a twist do not rise from 0 to 1", "give [(0, 0.0), …, (1, 0.3)]")
+    return Twisted(curve, fractions, tuple(a for _, a in pairs))

@@ -20,25 +20,27 @@ from directrix.contact_groups import Near, Pairs, contact_states, near_of, obsta
 from directrix.drives import Drive, driven, drives_of
 from directrix.errors import ModelError
 from directrix.formulations.contact import PairElement
+from directrix.formulations.directors import DirectorElement
 from directrix.formulations.layout import Layout
 from directrix.free_nodes import idle_rotations, refuse_loose
 from directrix.groups import (
     Group,
+    RodArrays,
     attached_groups,
     layout_of,
     lumped_at_nodes,
-    mesh_rod,
+    mesh_rods,
     parameters_of,
 )
 from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.loads import LoadTerm, Prescribed, driven_joints, drives_as_loads, loads_of, supports_of
-from directrix.model import Model, RigidVelocity, Vec
+from directrix.model import Gravity, Model, RigidVelocity, Rod, Vec
 from directrix.numbering import Pattern, pattern_of
 from directrix.result import Mesh, RodMesh
 from directrix.rotations import hat
 from directrix.routes import refuse_driven, routes_of
-from directrix.scheme import Scheme
-from directrix.section import Section
+from directrix.scheme import Rates, Scheme
+from directrix.section import Stressed
 from directrix.sources import Sources, sources_of
 
 Array = NDArray[np.float64]
@@ -61,7 +63,7 @@ class Discretisation:
     prescribed: tuple[Prescribed, ...]
     driven: tuple[tuple[int, Callable[[float], float]], ...]
     loads: tuple[LoadTerm, ...]
-    sections: tuple[Section, ...]
+    sections: tuple[Stressed, ...]
     lumped: Array
     """(n, 13): mass, principal values (3) and vectors (9) of the Euler dyadic of every node, all of it lumped there."""
     spread: Mapping[str, tuple[Ints, Array]]
@@ -212,65 +214,71 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     names = {node.name: k for k, node in enumerate(model.nodes)}
     rods: list[RodMesh] = []
     notes: list[str] = []
-    by_layout: dict[Layout, list[tuple[Ints, Array, Ints, Array]]] = {}
-    owners: dict[Layout, list[str]] = {}
-    spread: dict[str, tuple[Ints, Array, Array]] = {}
-    drags = {drag.rod: drag for drag in model.drags}
+    by_layout: dict[Layout, list[int]] = {}
     station = 0
-    for rod in model.rods:
-        mesh = mesh_rod(rod)
+    firsts: list[int] = []
+    locals_: list[Ints] = []
+    meshes = mesh_rods(model.rods)
+    kinds: dict[tuple[object, ...], Layout] = {}
+    special = {a.rod for a in model.actuations} | {drag.rod for drag in model.drags}
+    shapes: dict[tuple[int, int], Array] = {}
+    for number, (rod, mesh) in enumerate(zip(model.rods, meshes, strict=True)):
         notes += mesh.notes
-        index = np.empty(len(mesh.s), np.int64)
-        given = {0: rod.ends[0], len(mesh.s) - 1: rod.ends[1]}
-        for name, fraction in rod.nodes:
-            given[int(np.argmin(np.abs(mesh.s - fraction * rod.curve.length)))] = name
-        for k, r in enumerate(mesh.r):
-            known = names.get(given[k]) if k in given else None
-            if known is None:
-                known = len(positions)
-                positions.append(r)
-                if k in given:
-                    names[given[k]] = known
-            index[k] = known
+        index = _numbered(rod, mesh, names, positions)
         ne, nn = mesh.directors.shape[:2]
         local: Ints = np.arange(ne)[:, None] * rod.order + np.arange(nn)
-        conn = index[local]
-        layout = layout_of(rod, nn, element, model)
+        kind = (id(rod.section), rod.order, rod.points, rod.name if rod.name in special else None)
+        layout = kinds.get(kind) or layout_of(rod, nn, element, model)
+        kinds[kind] = layout
+        if layout.eccentric:
+            _refuse_eccentric(rod.name, scheme, any(isinstance(load, Gravity) for load in model.loads))
         points = layout.points
-        parameters, weights, history = parameters_of(
-            rod, layout, element, mesh.r[local], mesh.directors, scheme.lumped, drags.get(rod.name)
-        )
-        first: Ints = station + points * np.arange(ne)
-        by_layout.setdefault(layout, []).append((conn, parameters, first, history))
-        owners.setdefault(layout, []).extend([rod.name] * ne)
-        spread[rod.name] = conn.ravel(), weights.reshape(-1, 1), mesh.directors.reshape(-1, 3, 3)
-        shape = lagrange(rod.order, gauss(points)[0])[0]
+        by_layout.setdefault(layout, []).append(number)
+        firsts.append(station)
+        locals_.append(local)
+        if (rod.order, points) not in shapes:
+            shapes[rod.order, points] = lagrange(rod.order, gauss(points)[0])[0]
         at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
-        rods.append(
-            RodMesh(
-                rod.name, index, mesh.s, at_nodes, rod.order,
-                np.einsum("ga,ea->eg", shape, mesh.s[local]).ravel(), station, rod.section.outline,
+        stations = np.einsum("ga,ea->eg", shapes[rod.order, points], mesh.s[local]).ravel()
+        outline = rod.section.outline
+        rods.append(RodMesh(rod.name, index, mesh.s, at_nodes, rod.order, stations, station, outline))
+        station += points * ne
+    spread: dict[str, tuple[Ints, Array, Array, Array]] = {}
+    found: list[Group] = []
+    drags = {drag.rod: drag for drag in model.drags}
+    for layout, which in by_layout.items():
+        chosen = [(model.rods[k], meshes[k], locals_[k], rods[k].nodes) for k in which]
+        directors = np.concatenate([mesh.directors for _, mesh, _, _ in chosen])
+        made = parameters_of(
+            [rod for rod, _, _, _ in chosen], layout, element, [mesh.s[at] for _, mesh, at, _ in chosen],
+            np.concatenate([mesh.r[at] for _, mesh, at, _ in chosen]), directors, scheme.lumped, drags,
+        )  # fmt: skip
+        counts = [len(at) for _, _, at, _ in chosen]
+        conns = [index[at] for _, _, at, index in chosen]
+        at_stress = [firsts[k] + layout.points * np.arange(n) for k, n in zip(which, counts, strict=True)]
+        begin = 0
+        for (rod, mesh, _, _), conn, n in zip(chosen, conns, counts, strict=True):
+            part, begin = slice(begin, begin + n), begin + n
+            lengths, masses = (a[part].reshape(-1, 1) for a in (made.lengths, made.masses))
+            if layout.eccentric:  # such a rod carries its weight by itself
+                masses = 0.0 * masses
+            spread[rod.name] = conn.ravel(), lengths, mesh.directors.reshape(-1, 3, 3), masses
+        found.append(
+            Group(
+                element, layout, np.concatenate(conns), made.table, np.concatenate(at_stress), made.history,
+                lossy=layout.dragged and dynamic, works=layout.dragged or layout.actuated or layout.eccentric,
+                owners=tuple(name for (rod, *_), n in zip(chosen, counts, strict=True) for name in [rod.name] * n),
             )
         )  # fmt: skip
-        station += points * ne
-    groups = tuple(
-        Group(
-            element,
-            layout,
-            *(np.concatenate([part[k] for part in parts]) for k in range(4)),  # type: ignore[arg-type]
-            lossy=layout.dragged and dynamic,
-            works=layout.dragged or layout.actuated,
-            owners=tuple(owners[layout]),
-        )
-        for layout, parts in by_layout.items()
-    )
+    spread = {rod.name: spread[rod.name] for rod in model.rods}
+    groups = tuple(found)
     lumped = lumped_at_nodes(len(positions), groups, model, names) if scheme.lumped else np.zeros((0, 13))
     carried = scheme.static and any(g.element.rows(g.layout) for g in groups)
     r0 = np.array(positions)
     groups += attached_groups(model, scheme, names, r0, routes_of(model, names, rods))
     groups += joint_groups(model.joints, scheme, names, r0, carried)
     ends = np.unique(np.concatenate([np.zeros(0, np.int64), *(group.in_pattern.ravel() for group in groups)]))
-    lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _) in spread.items()}
+    lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _, _) in spread.items()}
     groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
     joints = tuple(joint.name for joint in model.joints)
     mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
@@ -288,10 +296,41 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         prescribed,
         driven_joints(model, dynamic),
         (*loads_of(model, names, spread), *drives_as_loads(model, n)),
-        tuple(rod.section for rod in model.rods),
+        tuple(
+            rod.section.along(mesh.stations / rod.curve.length) if rod.section.varies else rod.section
+            for rod, mesh in zip(model.rods, rods, strict=True)
+        ),
         lumped,
         lengths,
         near_of(model, mesh, scheme),
         sources_of(model, groups, scheme),
         drives_of(model, groups, rods),
     )
+
+
+def _numbered(rod: Rod, mesh: RodArrays, names: dict[str, int], positions: list[Array]) -> Ints:
+    """Numbers of the nodes of a rod; those that are new get a name and a position."""
+    given = {0: rod.ends[0], len(mesh.s) - 1: rod.ends[1]}
+    for name, fraction in rod.nodes:
+        given[int(np.argmin(np.abs(mesh.s - fraction * rod.curve.length)))] = name
+    index: list[int] = []
+    for k, r in enumerate(mesh.r):
+        known = names.get(given[k]) if k in given else None
+        if known is None:
+            known = len(positions)
+            positions.append(r)
+            if k in given:
+                names[given[k]] = known
+        index.append(known)
+    return np.array(index, np.int64)
+
+
+def _refuse_eccentric(rod: str, scheme: Scheme, heavy: bool) -> None:
+    """Raises ModelError where mass off the axis has no form."""
+    if scheme.lumped or scheme.rates is Rates.SPIN or not isinstance(scheme.element, DirectorElement):
+        if scheme.static and not heavy:
+            return
+        raise ModelError(
+            f"the mass of rod {rod!r} is off its axis, for which this scheme has no form",
+            "use dx.Directors() or dx.EnergyMomentum(), or put the axis through the centres of mass",
+        )

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from directrix.groups import Group
 from directrix.kernels.compile import LANES
-from directrix.model import Model
+from directrix.loads import as_function
+from directrix.model import Gravity, Model
 from directrix.result import RodMesh
 
 Array = NDArray[np.float64]
@@ -63,6 +64,17 @@ def drives_of(model: Model, groups: Sequence[Group], rods: Sequence[RodMesh]) ->
             if at.size:
                 begin = int(first[9]) + 2 + group.layout.nn
                 found.append(Drive(k, at, begin, begin + 3, 3, drag.at, False, callable(drag.flow)))
+        for gravity in (load for load in model.loads if isinstance(load, Gravity)):
+            if group.owners and group.layout.eccentric:
+
+                def pull(t: float, factor: float, load: Gravity = gravity) -> Array:
+                    share = 1.0 if load.constant else factor
+                    return share * as_function(load.value, False, "gravity")(t)
+
+                begin = int(first[10])
+                found.append(
+                    Drive(k, np.arange(len(owners)), begin, begin + 3, 3, pull, False, callable(gravity.value))
+                )
         for tendon in model.tendons:
             names = np.array(group.names)
             at = np.flatnonzero(names == f"tendon {tendon.name!r}") if group.names else np.zeros(0, np.int64)

@@ -134,7 +134,7 @@ class Linearised:
     def total_mass(self) -> float:
         """Of rods and bodies."""
         rods = zip(self.disc.model.rods, self.disc.mesh.rods, strict=True)
-        return sum(r.section.A_rho * float(mesh.s[-1]) for r, mesh in rods) + sum(b.mass for b in self.model.bodies)
+        return sum(r.section.mean_mass * float(mesh.s[-1]) for r, mesh in rods) + sum(b.mass for b in self.model.bodies)
 
     def rigid(self) -> Array:
         """Rigid motions (free, k) that supports leave and nothing resists, of unit modal mass.
@@ -186,7 +186,9 @@ def _coefficient(hessian: Hessian, x: Array) -> csc_matrix:
 
 def _without_damping(model: Model) -> Model:
     """The model without dashpots, for which accelerations as unknowns have no form."""
-    rods = tuple(replace(r, section=replace(r.section, damping=np.zeros((6, 6)))) for r in model.rods)
+    rods = tuple(
+        replace(r, section=r.section.mapped(lambda s: replace(s, damping=np.zeros((6, 6))))) for r in model.rods
+    )
     links = tuple(replace(k, damping=0.0) for k in model.links if k.stiffness)
     return replace(model, rods=rods, links=links)
 
@@ -194,7 +196,7 @@ def _without_damping(model: Model) -> Model:
 def _with_mass(model: Model) -> Model:
     """The model with some mass where it has none: stiffness does not ask for it, meshing for a motion does."""
     rods = tuple(
-        replace(rod, section=replace(rod.section, A_rho=rod.section.A_rho or 1.0, I_rho=np.eye(2)))
+        replace(rod, section=rod.section.mapped(lambda s: replace(s, A_rho=s.A_rho or 1.0, I_rho=s.I_rho + np.eye(2))))
         for rod in model.rods
     )
     return replace(model, rods=rods)

@@ -135,8 +135,10 @@ def _closer(points: NDArray[np.float64], reach: float) -> set[tuple[int, int]]:
 
 
 def _near(model: Model) -> Iterator[Finding]:
+    from directrix.model import place_on
+
     places = {
-        name: rod.curve.position(f * rod.curve.length)
+        name: place_on(rod.curve, f)
         for rod in model.rods
         for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]
     }

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from directrix.actuators import Drag
 from directrix.basis import gauss, lagrange
+from directrix.curves import Polyline
 from directrix.errors import ModelError
 from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement, TendonElement
 from directrix.formulations.element import Committed, Element
@@ -20,11 +21,12 @@ from directrix.model import Model, Rod
 from directrix.rotations import smallest_rotation
 from directrix.routes import Route
 from directrix.scheme import Rates, Scheme
+from directrix.section import Section
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Group", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rod", "parameters_of"]
+__all__ = ["Group", "RodArrays", "attached_groups", "layout_of", "lumped_at_nodes", "mesh_rods", "parameters_of"]
 
 
 @dataclass(frozen=True)
@@ -86,15 +88,47 @@ def _boundaries(rod: Rod) -> tuple[Array, list[str]]:
     return np.append(s, length), [note]
 
 
-class _RodArrays(NamedTuple):
+class RodArrays(NamedTuple):
+    """Nodes, directors and elements of a rod as it is meshed."""
+
     s: Array  # (m,)
     r: Array  # (m, 3)
     directors: Array  # (ne, nn, 3, 3)
     notes: list[str]
 
 
-def mesh_rod(rod: Rod) -> _RodArrays:
-    """Nodes, directors and elements of a rod."""
+def mesh_rods(rods: Sequence[Rod]) -> list[RodArrays]:
+    """Nodes, directors and elements of rods. Straight ones of as many elements are meshed together."""
+    alike: dict[tuple[int, int], list[int]] = {}
+    out: list[RodArrays | None] = [None] * len(rods)
+    for k, rod in enumerate(rods):
+        curve = rod.curve
+        if type(curve) is Polyline and len(curve.points) == 2 and not rod.nodes and curve.directors == "tangent":
+            alike.setdefault((rod.elements, rod.order), []).append(k)
+        else:
+            out[k] = _mesh_rod(rod)
+    for (elements, order), which in alike.items():
+        for k, mesh in zip(which, _mesh_straight([rods[k] for k in which], elements, order), strict=True):
+            out[k] = mesh
+    return cast("list[RodArrays]", out)
+
+
+def _mesh_straight(rods: Sequence[Rod], elements: int, order: int) -> Iterator[RodArrays]:
+    lengths = np.array([rod.curve.length for rod in rods])
+    frames = np.array([rod.curve.frames(0.0, 0.0) for rod in rods])
+    first, last = np.array([cast(Polyline, rod.curve).points for rod in rods]).transpose(1, 0, 2)[..., None, :]
+    ends = np.linspace(0.0, lengths, elements + 1, axis=-1)
+    xi = np.linspace(0.0, 1.0, order + 1)
+    s = ends[:, :-1, None] + xi * np.diff(ends)[..., None]
+    s = np.concatenate([s[..., :-1].reshape(len(rods), -1), s[:, -1, -1:]], axis=1)
+    share = (s / lengths[:, None])[..., None]
+    r = first * (1.0 - share) + last * share
+    shape = (elements, order + 1, 3, 3)
+    for k in range(len(rods)):
+        yield RodArrays(s[k], r[k], np.broadcast_to(frames[k], shape), [])
+
+
+def _mesh_rod(rod: Rod) -> RodArrays:
     ends, notes = _boundaries(rod)
     p, ne = rod.order, len(ends) - 1
     xi = np.linspace(0.0, 1.0, p + 1)
@@ -110,18 +144,30 @@ def mesh_rod(rod: Rod) -> _RodArrays:
         frame = smallest_rotation(frame[:, :, 2], unit) @ frame
         directors = np.broadcast_to(frame[:, None], (ne, p + 1, 3, 3))
     nodes = np.append(r[:, :-1].reshape(-1, 3), r[-1, -1:], axis=0)
-    return _RodArrays(np.append(s[:, :-1].ravel(), s[-1, -1]), nodes, directors, notes)
+    return RodArrays(np.append(s[:, :-1].ravel(), s[-1, -1]), nodes, directors, notes)
+
+
+class Parameters(NamedTuple):
+    """Of elements: their parameters (ne, size) in the order of :class:`Layout`, ∫N_a dS (ne, nn), ∫A_ρ N_a dS (ne, nn),
+    history (ne, 12 rows)."""
+
+    table: Array
+    lengths: Array
+    masses: Array
+    history: Array
 
 
 def parameters_of(
-    rod: Rod, layout: Layout, element: Element, r: Array, directors: Array, lumped: bool, drag: Drag | None = None
-) -> tuple[Array, Array, Array]:
-    """Element parameters (ne, size) in the order of :class:`Layout`, ∫N_a dS (ne, nn), history (ne, 12 rows).
+    rods: Sequence[Rod], layout: Layout, element: Element, s: Sequence[Array], r: Array, directors: Array,
+    lumped: bool, drags: Mapping[str, Drag],
+) -> Parameters:  # fmt: skip
+    """Parameters of all elements of rods that have one layout.
 
-    ``r`` (ne, nn, 3) reference positions, ``directors`` (ne, nn, 3, 3) with columns d1, d2, d3.
+    ``s`` has of every rod the arclengths (ne, nn) of the nodes of its elements, ``r`` (ne, nn, 3) reference positions,
+    ``directors`` (ne, nn, 3, 3) with columns d1, d2, d3 of all rods in turn.
     """
     ne, nn, order = len(r), layout.nn, layout.nn - 1
-    section = rod.section
+    counts = [len(part) for part in s]
 
     def speed(points: int) -> tuple[Array, Array, Array]:
         xi, w = gauss(points)
@@ -131,46 +177,90 @@ def parameters_of(
     _, _, j = speed(layout.points)
     w, n, jm = speed(order + 1)
     weights = np.einsum("g,eg,ga->ea", w, jm, n)
-    mass = np.einsum("ea,ab->eab", weights, np.eye(nn)) if lumped else np.einsum("g,eg,ga,gb->eab", w, jm, n, n)
+    if layout.varying:
+        stiff, viscous, density, masses = _varying(rods, layout, s, np.einsum("g,eg->eg", w, jm))
+        shares = np.einsum("g,eg,ga->ea", w, jm * density, n)
+        mass = np.einsum("g,eg,ga,gb->eab", w, jm * density, n, n)
+    else:
+        known = {id(rod.section): rod.section for rod in rods}
+        made = {key: _uniform(section, layout) for key, section in known.items()}
+        rows = [made[id(rod.section)] for rod in rods]
+        stiff, viscous, masses = (np.repeat([row[k] for row in rows], counts, axis=0) for k in range(3))
+        shares, mass = weights, np.einsum("g,eg,ga,gb->eab", w, jm, n, n)
+    if lumped:
+        mass = np.einsum("ea,ab->eab", shares, np.eye(nn))
     pairs = mass[:, *np.triu_indices(nn)]
     q = [[list(r[:, a].T)] + [list(directors[:, a, :, i].T) for i in range(3)] for a in range(nn)]
     e0 = element.reference(layout, q, list(1.0 / j.T))
     history = np.zeros((ne, 0))
     if element.rows(layout):
         history = np.stack(cast(Committed, element).initial(layout, q), -1)
-    c, inertia = section.stiffness, section.I_rho
-    stiff = np.diag(c) if layout.principal else c[np.triu_indices(6)]
-    masses = [section.A_rho, inertia[0, 0], inertia[1, 1]] + ([] if layout.principal else [inertia[0, 1]])
-    viscous = section.damping
-    damping = {"none": np.zeros(0), "principal": np.diag(viscous), "full": viscous[np.triu_indices(6)]}[layout.damping]
     table = [
         # place() reads the components of d_i one director after the other
         directors.transpose(0, 1, 3, 2).reshape(ne, 9 * nn),
-        np.broadcast_to(stiff, (ne, len(stiff))),
+        stiff,
         1.0 / j,
         np.stack([np.stack(e, -1) for e in e0], 1).reshape(ne, -1),
         pairs,
-        np.broadcast_to(masses, (ne, len(masses))),
-        np.broadcast_to(damping, (ne, len(damping))),
+        masses,
+        viscous,
         jm if layout.sampled else np.zeros((ne, 0)),
         np.zeros((ne, layout.sizes[8])),
     ]
-    if drag is not None:
-        table += [np.broadcast_to([drag.normal, drag.tangential], (ne, 2)), jm, np.zeros((ne, 6))]
-    return np.concatenate(table, axis=1), weights, history
+    if layout.dragged:
+        drag = [[drags[rod.name].normal, drags[rod.name].tangential] for rod in rods]
+        table += [np.repeat(drag, counts, axis=0), jm, np.zeros((ne, 6))]
+    table.append(np.zeros((ne, layout.sizes[10])))
+    return Parameters(np.concatenate(table, axis=1), weights, masses[:, :1] * shares, history)
+
+
+def _uniform(section: Section, layout: Layout) -> tuple[Array, Array, Array]:
+    """Stiffness, viscous matrix and inertia of a section as rows of parameters."""
+    c, inertia, viscous = section.stiffness, section.I_rho, section.damping
+    masses = [section.A_rho, inertia[0, 0], inertia[1, 1]] + ([] if layout.principal else [inertia[0, 1]])
+    masses += section.S_rho.tolist() if layout.eccentric else []
+    damping = {"none": np.zeros(0), "principal": np.diag(viscous), "full": viscous[np.triu_indices(6)]}[layout.damping]
+    return np.diag(c) if layout.principal else c[np.triu_indices(6)], damping, np.array(masses)
+
+
+def _varying(
+    rods: Sequence[Rod], layout: Layout, s: Sequence[Array], weights: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Of elements whose section varies: matrices at their stress points, mass per length at their inertia points over
+    its mean, and the mean inertia. ``weights`` (ne, points) of the inertia points.
+
+    What A_ρ does within an element is exact by that; of I_ρ and S_ρ it is the mean.
+    """
+    rows: list[list[tuple[Array, Array, Array]]] = []
+    inner: list[list[Array]] = []
+    order = layout.nn - 1
+    for rod, part in zip(rods, s, strict=True):
+        for points, found in ((layout.points, rows), (order + 1, inner)):
+            at = part @ lagrange(order, gauss(points)[0])[0].T / rod.curve.length
+            for element in at.tolist():
+                found.append([_uniform(rod.section.at(f), layout) for f in element])  # type: ignore[arg-type]
+    stiff, viscous = (np.array([np.concatenate([g[k] for g in row]) for row in rows]) for k in range(2))
+    inertia = np.array([[g[2] for g in row] for row in cast("list[list[Any]]", inner)])  # (ne, points, values)
+    mean = np.einsum("eg,egk->ek", weights, inertia) / weights.sum(axis=1)[:, None]
+    weightless = mean[:, :1] == 0.0
+    density = np.where(weightless, 1.0, inertia[..., 0] / np.where(weightless, 1.0, mean[:, :1]))
+    return stiff, viscous, density, mean
 
 
 def layout_of(rod: Rod, nn: int, element: Element, model: Model) -> Layout:
     """What kind of element a rod has."""
-    section = rod.section
-    c, viscous, inertia = section.stiffness, section.damping, section.I_rho
-    principal = not np.any(c - np.diag(np.diag(c))) and inertia[0, 1] == 0.0
+    parts = rod.section.parts
+    eccentric = rod.section.eccentric
+    principal = not eccentric and getattr(rod.section, "function", None) is None and all(
+        not np.any(s.stiffness - np.diag(np.diag(s.stiffness))) and s.I_rho[0, 1] == 0.0 for s in parts
+    )  # fmt: skip
     damping = "none"
-    if np.any(viscous):
-        damping = "full" if np.any(viscous - np.diag(np.diag(viscous))) else "principal"
+    if any(np.any(s.damping) for s in parts):
+        damping = "full" if any(np.any(s.damping - np.diag(np.diag(s.damping))) for s in parts) else "principal"
     return Layout(
-        nn, rod.points or rod.order, principal, damping, section.law, element.sampled,
+        nn, rod.points or rod.order, principal, damping, rod.section.law, element.sampled,
         any(a.rod == rod.name for a in model.actuations), any(d.rod == rod.name for d in model.drags),
+        rod.section.varies, eccentric,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
 
-__all__ = ["LoadTerm", "Prescribed", "driven_joints", "drives_as_loads", "loads_of", "supports_of"]
+__all__ = ["LoadTerm", "Prescribed", "as_function", "driven_joints", "drives_as_loads", "loads_of", "supports_of"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def supports_of(
             if value is not None:
                 fixed[k, part] = True
             what = f"the prescribed {'displacement' if part.start == 0 else 'rotation'} of node {given.node!r}"
-            functions.append(None if value is None else _as_function(value, not dynamic, what))
+            functions.append(None if value is None else as_function(value, not dynamic, what))
         prescribed.append((k, functions[0], functions[1]))
     return fixed, tuple(prescribed)
 
@@ -100,12 +100,14 @@ def drives_as_loads(model: Model, n: int) -> list[LoadTerm]:
     return terms
 
 
-def loads_of(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array, Array]]) -> tuple[LoadTerm, ...]:
-    """Loads on nodes; ``spread`` has of every rod its nodes, the lengths they stand for and their directors."""
+def loads_of(
+    model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, Array, Array, Array]]
+) -> tuple[LoadTerm, ...]:
+    """Loads on nodes; ``spread`` has of every rod its nodes, the lengths they stand for, their directors and masses."""
     terms: list[LoadTerm] = []
     for load in model.loads:
         if isinstance(load, Pressure):
-            nodes, weights, directors = spread[load.rod]
+            nodes, weights, directors, _ = spread[load.rod]
             side = directors[:, :, int(load.along[-1]) - 1] * (-1.0 if load.along.startswith("-") else 1.0)
             what = f"the pressure on rod {load.rod!r}"
             value = _number_function(load.value, what)
@@ -114,7 +116,7 @@ def loads_of(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, 
             )
             continue
         if isinstance(load, Gravity):
-            over = [(spread[rod.name][0], rod.section.A_rho * spread[rod.name][1]) for rod in model.rods]
+            over = [(spread[rod.name][0], spread[rod.name][3]) for rod in model.rods]
             over += [(np.array([names[body.node]]), np.array([[body.mass]])) for body in model.bodies]
             what, first = "gravity", 0
         elif isinstance(load, Distributed):
@@ -124,12 +126,12 @@ def loads_of(model: Model, names: dict[str, int], spread: dict[str, tuple[Ints, 
             kind = "force" if isinstance(load, Force) else "moment"
             over, what = [(np.array([names[load.node]]), np.ones((1, 1)))], f"the {kind} on node {load.node!r}"
             first = (0 if kind == "force" else 3) + (6 if load.follower else 0)
-        value = _as_function(load.value, False, what)
+        value = as_function(load.value, False, what)
         terms += [LoadTerm(first, nodes, w, value, load.constant, callable(load.value), what) for nodes, w in over]
     return tuple(terms)
 
 
-def _as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
+def as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -> Callable[[float], Array]:
     if not callable(value):
         given = np.asarray(value, float)
         return (lambda t: t * given) if ramp else (lambda t: given)

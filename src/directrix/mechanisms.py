@@ -206,7 +206,7 @@ def _triangle(rows: Array) -> Array:
 
 
 def _least(disc: Discretisation) -> float:
-    axial = max((float(section.stiffness[2, 2]) for section in disc.sections), default=0.0)
+    axial = max((float(rod.section.stiffness[2, 2]) for rod in disc.model.rods), default=0.0)
     return 1e-13 * axial / disc.length
 
 

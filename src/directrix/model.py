@@ -8,12 +8,13 @@ from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
 
 from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
 from directrix.checks import Vec, choice, flag, nearest, number, shown, text, vector, whole
 from directrix.contacts import Contact, Obstacle, RodContact, named_rods
-from directrix.curves import Curve
+from directrix.curves import Curve, Polyline, twisted
 from directrix.errors import ModelError
 from directrix.findings import Finding, remarks
 from directrix.joints import Joint
@@ -23,6 +24,7 @@ VecOrFn = Vec | Callable[[float], ArrayLike]
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 SAME_PLACE = 1e-9  # of the model's size
 MOST = 1_000_000  # elements of a rod
+ROD = ("curve", "section", "name", "ends", "elements", "order", "points", "nodes", "twist")
 OPTIONS = tuple(f.name for f in fields(Joint))[4:]  # behind name, kind, nodes
 
 __all__ = [
@@ -175,6 +177,14 @@ class Model:
     rod_contacts: tuple[RodContact, ...] = ()
     joints: tuple[Joint, ...] = ()
     nodes: tuple[Node, ...] = ()
+    imported: tuple[str, ...] = ()
+    """What was moved, merged or left out when geometry was read; ``notes`` repeats it."""
+
+    def graph(self, graph: Any, section: Any = None, **options: Any) -> Model:
+        """Add the edges of a networkx graph as rods; see :func:`dx.from_graph`, also for what is raised."""
+        from directrix.geometry.graph import from_graph
+
+        return from_graph(graph, section=section, model=self, **options)
 
     def node(self, name: str, at: Any) -> Self:
         """Add a node that is on no rod, at the place ``at`` (3,): bodies, links and joints attach to it.
@@ -198,13 +208,14 @@ class Model:
         order: int = 2,
         points: int | None = None,
         nodes: Mapping[str, float] | None = None,
+        twist: Any = None,
     ) -> Self:
         """Add a rod.
 
         Parameters
         ----------
         curve, section
-            Axis and cross-section.
+            Axis and cross-section; one from :func:`dx.taper` varies along the rod.
         name
             Its name; "rod1", "rod2", … by default.
         ends
@@ -217,37 +228,36 @@ class Model:
             Gauss points for the stresses; None is the reduced rule, as many as ``order``.
         nodes
             Names of interior nodes and where they are, as fractions of the arclength.
+        twist
+            Turn [rad] of the directors about the axis beyond those of the curve: at the end, pairs (fraction, angle)
+            or a function of the fraction; see :func:`dx.twisted`.
         """
-        name = text(name if name is not None else f"rod{len(self.rods) + 1}", "name of a rod")
-        where = f"rod {name!r}"
-        if any(r.name == name for r in self.rods):
-            raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
-        if not all(hasattr(curve, a) for a in ("position", "frames", "length", "breaks")):
-            raise ModelError(
-                f"{where}: {shown(curve)} is not a curve",
-                "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline",
-            )
-        if not isinstance(section, Section):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ModelError(f"{where}: {shown(section)} is not a section", "use dx.Section")
-        pair: Any = ends if ends is not None else (f"{name}.start", f"{name}.end")
-        if not isinstance(pair, (tuple, list)) or len(cast("list[Any]", pair)) != 2:
-            raise ModelError(f"{where}: ends = {shown(pair)} are not two names", 'give ends=("A", "B")')
-        start, end = (text(e, f"{where}: name of an end") for e in cast("list[Any]", pair))
-        if start == end:
-            raise ModelError(f"{where}: both ends are called {start!r}", "a closed ring needs two rods")
-        order = whole(order, f"{where}: order", 1, 3)
-        elements = whole(elements, f"{where}: elements", 1, MOST)
-        if not 0.0 < curve.length < np.inf:
-            raise ModelError(f"{where}: its axis is {curve.length:g} long", "give it a finite length")
-        if points is not None:
-            points = whole(points, f"{where}: points", 1, order + 1)
-        inner: list[tuple[str, float]] = []
-        for node, fraction in _named(nodes, where):
-            inner.append(_interior(where, node, fraction, (start, end, *(n for n, _ in inner))))
-        return replace(
-            self,
-            rods=(*self.rods, Rod(name, curve, section, (start, end), elements, order, points, tuple(inner))),
-        )
+        given = {
+            "name": name, "ends": ends, "elements": elements, "order": order, "points": points, "nodes": nodes,
+            "twist": twist,
+        }  # fmt: skip
+        return self.add_rods([{"curve": curve, "section": section, **given}])
+
+    def add_rods(self, rods: Iterable[Mapping[str, Any]]) -> Self:
+        """Add many rods at once: of each the arguments of :meth:`rod` by name. Time grows with their number.
+
+        Raises ModelError as :meth:`rod`, and for what is no argument of it.
+        """
+        taken = {rod.name for rod in self.rods}
+        made: list[Rod] = []
+        for given in rods:
+            name = given.get("name")
+            name = text(name if name is not None else f"rod{len(taken) + 1}", "name of a rod")
+            if name in taken:
+                raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
+            for key in given:
+                choice(key, "argument of a rod", ROD)
+            for key in ("curve", "section"):
+                if key not in given:
+                    raise ModelError(f"rod {name!r} has no {key}", f"give {key}=")
+            taken.add(name)
+            made.append(_made_rod(**{**given, "name": name}))
+        return replace(self, rods=(*self.rods, *made))
 
     def split(self, rod: str, nodes: Mapping[str, float]) -> Self:
         """Name interior nodes of a rod by their fractions of its arclength."""
@@ -631,16 +641,18 @@ class Model:
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
-        said = [a for rod in self.rods for a in rod.section.assumptions]
-        places = list(self._places().items())
-        size = self._size([p for _, p in places])
+        said = [*self.imported, *(a for rod in self.rods for a in rod.section.assumptions)]
+        places = self._places()
+        names, points = list(places), np.array(list(places.values())).reshape(-1, 3)
+        size = self._size(list(points))
         joined = {frozenset(joint.nodes) for joint in self.joints}
-        for k, (a, p) in enumerate(places):
-            for b, q in places[k + 1 :]:
-                if frozenset((a, b)) not in joined and np.linalg.norm(np.subtract(p, q)) <= SAME_PLACE * size:
-                    said.append(
-                        f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them"
-                    )
+        pairs: Any = KDTree(points).query_pairs(SAME_PLACE * size)  # pyright: ignore[reportUnknownMemberType]
+        for k, j in sorted(pairs):
+            a, b = names[k], names[j]
+            if frozenset((a, b)) not in joined:
+                said.append(
+                    f"nodes {a!r} and {b!r} are at the same place and not joined: give them one name to join them"
+                )
         return tuple(dict.fromkeys(said))
 
     def _rod(self, name: str) -> Rod:
@@ -658,7 +670,7 @@ class Model:
         """Where the named nodes are; refuses one name at two places."""
         found: dict[str, tuple[Any, str]] = {node.name: (np.array(node.at), "") for node in self.nodes}
         ends = [(rod, name, f) for rod in self.rods for name, f in [(rod.ends[0], 0.0), (rod.ends[1], 1.0), *rod.nodes]]
-        points = [rod.curve.position(f * rod.curve.length) for rod, _, f in ends]
+        points = [place_on(rod.curve, f) for rod, _, f in ends]
         size = self._size([*points, *(point for point, _ in found.values())])
         for (rod, name, _), point in zip(ends, points, strict=True):
             if name in found:
@@ -756,12 +768,52 @@ class Model:
         return held
 
 
+def _made_rod(
+    *, curve: Any, section: Any, name: str, ends: Any = None, elements: Any = 10, order: Any = 2, points: Any = None,
+    nodes: Any = None, twist: Any = None,
+) -> Rod:  # fmt: skip
+    """A rod that can be right; raises ModelError."""
+    where = f"rod {name!r}"
+    if not all(hasattr(curve, a) for a in ("position", "frames", "length", "breaks")):
+        raise ModelError(
+            f"{where}: {shown(curve)} is not a curve",
+            "use dx.line, dx.arc, dx.helix, dx.polyline or dx.spline",
+        )
+    if not isinstance(section, Section):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ModelError(f"{where}: {shown(section)} is not a section", "use dx.Section")
+    if twist is not None:
+        curve = twisted(curve, twist)
+    pair: Any = ends if ends is not None else (f"{name}.start", f"{name}.end")
+    if not isinstance(pair, (tuple, list)) or len(cast("list[Any]", pair)) != 2:
+        raise ModelError(f"{where}: ends = {shown(pair)} are not two names", 'give ends=("A", "B")')
+    start, end = (text(e, f"{where}: name of an end") for e in cast("list[Any]", pair))
+    if start == end:
+        raise ModelError(f"{where}: both ends are called {start!r}", "a closed ring needs two rods")
+    order = whole(order, f"{where}: order", 1, 3)
+    elements = whole(elements, f"{where}: elements", 1, MOST)
+    if not 0.0 < curve.length < np.inf:
+        raise ModelError(f"{where}: its axis is {curve.length:g} long", "give it a finite length")
+    if points is not None:
+        points = whole(points, f"{where}: points", 1, order + 1)
+    inner: list[tuple[str, float]] = []
+    for node, fraction in _named(nodes, where):
+        inner.append(_interior(where, node, fraction, (start, end, *(n for n, _ in inner))))
+    return Rod(name, curve, section, (start, end), elements, order, points, tuple(inner))
+
+
 def _called(value: Any, what: str) -> Any:
     """``value`` at t = 0."""
     try:
         return value(0.0)
     except Exception as error:  # whatever a user's function raises
         raise ModelError(f"{what}: the function fails at t = 0: {error!r}", "it is called with one number") from error
+
+
+def place_on(curve: Curve, fraction: float) -> Any:
+    """Place at a fraction of the arclength; the ends of a straight line are known."""
+    if isinstance(curve, Polyline) and len(curve.points) == 2 and fraction in (0.0, 1.0):
+        return np.array(curve.points[int(fraction)])
+    return curve.position(fraction * curve.length)
 
 
 def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:

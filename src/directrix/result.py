@@ -212,6 +212,12 @@ class RodHistory:
     strain: Array
     force: Array
 
+    def stress(self, section: Any, **options: Any) -> Array:
+        """Stresses (nt, stations, points, 3) of a `sectionproperties` section; see :func:`directrix.shapes.stress`."""
+        from directrix.shapes import stress
+
+        return stress(section, self.force, **options)
+
 
 @dataclass(frozen=True)
 class TurningPoint:

@@ -6,9 +6,9 @@ EI1 = E ∫ξ2² dA. The Euler dyadic I_ρ,αβ = ∫ρ ξα ξβ dA (paper 31) 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,6 +76,8 @@ class Section:
         stands for η times the stiffness (a relaxation time). In the order of ``stiffness``. Used in dynamics.
     law
         Stored energy in place of ½ ε·Cε, see :meth:`hyperelastic`; ``stiffness`` is then that at no strain.
+    S_rho
+        (2,) first moments of mass ∫ρ ξα dA per unit length: not zero where the axis is off the line of mass centres.
     assumptions
         Sentences on what a constructor assumed; ``check`` prints them.
 
@@ -92,6 +94,7 @@ class Section:
     outline: Array = field(default_factory=lambda: np.zeros((0, 2)), kw_only=True)
     damping: Array = field(default_factory=lambda: np.zeros((6, 6)), kw_only=True)
     law: Law | None = field(default=None, kw_only=True)
+    S_rho: Array = field(default_factory=lambda: np.zeros(2), kw_only=True)
     assumptions: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -105,15 +108,19 @@ class Section:
         inertia = _matrix(self.I_rho, "I_rho of a section", 2)
         if np.linalg.eigvalsh(inertia)[0] < -1e-12 * np.abs(inertia).max():
             raise ModelError("I_rho of a section is negative in some direction", "check the signs of ∫ρ ξα ξβ dA")
+        moments = _numbers(self.S_rho)
+        if moments.shape != (2,) or not np.all(np.isfinite(moments)):
+            raise ModelError("S_rho of a section is not two numbers", "give ∫ρ ξ1 dA and ∫ρ ξ2 dA")
+        _refuse_inertia(number(self.A_rho, "A_rho", least=0.0), moments, inertia)
         outline = _numbers(self.outline)
         if outline.shape != (len(outline), 2) or not np.all(np.isfinite(outline)):
             raise ModelError("the outline of a section is not a polygon", "give finite points (k, 2) in (d1, d2)")
         viscous = _damping(self.damping, c, rows)
-        for a in (c, outline, viscous):
+        for a in (c, outline, viscous, moments):
             a.setflags(write=False)
         for name, value in {
             "stiffness": c, "A_rho": number(self.A_rho, "A_rho", least=0.0), "I_rho": inertia,
-            "order": "shear-axial", "outline": outline, "damping": viscous,
+            "order": "shear-axial", "outline": outline, "damping": viscous, "S_rho": moments,
         }.items():  # fmt: skip
             object.__setattr__(self, name, value)
 
@@ -128,6 +135,7 @@ class Section:
             self.stiffness.tobytes(),
             self.A_rho,
             self.I_rho.tobytes(),
+            self.S_rho.tobytes(),
             self.outline.tobytes(),
             self.damping.tobytes(),
             self.law,
@@ -141,6 +149,95 @@ class Section:
     def forces(self, strain: Array) -> Array:
         """Section forces (…, 6) from strains (…, 6)."""
         return strain @ self.stiffness if self.law is None else self.law.forces(strain)
+
+    @property
+    def eccentric(self) -> bool:
+        """True when the mass is off the axis."""
+        return bool(np.any(self.S_rho))
+
+    @property
+    def varies(self) -> bool:
+        """True when it is not the same along the rod."""
+        return False
+
+    @property
+    def parts(self) -> tuple[Section, ...]:
+        """This section; those of the stations where it varies."""
+        return (self,)
+
+    @property
+    def mean_mass(self) -> float:
+        """Mass per unit length, in the mean over the rod."""
+        return self.A_rho
+
+    def mapped(self, change: Callable[[Section], Section]) -> Section:
+        """``change`` of this section; of every one of them where it varies along the rod."""
+        return change(self)
+
+    def at(self, fraction: float) -> Section:
+        """The section at a fraction of a rod's length: this one, everywhere."""
+        return self
+
+    def along(self, fractions: Array) -> Stressed:
+        """What gives section forces at stress points at ``fractions`` (stations,) of the length."""
+        return self
+
+    def offset(self, x1: float, x2: float) -> Self:
+        """The same section about an axis from which its present one is at ξ = (``x1``, ``x2``).
+
+        Γ of the present axis is Γ + Ω × x, so C becomes Tᵀ C T; first moments of mass grow by A_ρ x, I_ρ by Steiner's.
+        Lengths are those of the new axis. Raises ModelError for a section with a law.
+        """
+        x = np.array([number(x1, "x1"), number(x2, "x2"), 0.0])
+        if self.law is not None:
+            raise ModelError("a section with a law of its own has no offset", "write the law about the axis of the rod")
+        turn = np.eye(6)
+        turn[:3, 3:] = np.array([[0.0, 0.0, x[1]], [0.0, 0.0, -x[0]], [-x[1], x[0], 0.0]]) * -1.0
+        s, y = self.S_rho, x[:2]
+        inertia = self.I_rho + np.outer(s, y) + np.outer(y, s) + self.A_rho * np.outer(y, y)
+        return replace(
+            self, stiffness=turn.T @ self.stiffness @ turn, damping=turn.T @ self.damping @ turn, I_rho=inertia,
+            S_rho=s + self.A_rho * y, outline=self.outline + y,
+        )  # fmt: skip
+
+    def turned(self, angle: float) -> Self:
+        """The same section turned in its plane about d3, from d1 towards d2, by ``angle`` [rad].
+
+        Raises ModelError for a section with a law.
+        """
+        if self.law is not None:
+            raise ModelError("a section with a law of its own cannot be turned", "turn d1 of the rod")
+        c, s = np.cos(number(angle, "angle")), np.sin(angle)
+        plane, q = np.array([[c, -s], [s, c]]), np.eye(6)
+        q[:2, :2] = q[3:5, 3:5] = plane
+        return replace(
+            self, stiffness=q @ self.stiffness @ q.T, damping=q @ self.damping @ q.T,
+            I_rho=plane @ self.I_rho @ plane.T, S_rho=plane @ self.S_rho, outline=self.outline @ plane.T,
+        )  # fmt: skip
+
+    @classmethod
+    def profile(
+        cls, name: str, *, E: float, nu: float | None = None, G: float | None = None, rho: float = 0.0,
+        unit: float = 1e-3, damping: ArrayLike = 0.0,
+    ) -> Section:  # fmt: skip
+        """A rolled or hollow steel profile by its name, "IPE200", "HEA 160", "UPN 100", "CHS 60.3x5", "RHS 100x50x4".
+
+        Its web is along d2. ``unit`` is a millimetre in the units of the model; see :mod:`directrix.profiles`, also for
+        what is raised.
+        """
+        from directrix.profiles import section_of
+
+        return section_of(name, E=E, nu=nu, G=G, rho=rho, unit=unit, damping=damping)
+
+    @classmethod
+    def from_sectionproperties(
+        cls, section: Any, *, axis: str | tuple[float, float] = "centroid", E: float | None = None,
+        nu: float | None = None, rho: float | None = None,
+    ) -> Section:  # fmt: skip
+        """Any shape from the package `sectionproperties`; see :func:`directrix.shapes.section_of`."""
+        from directrix.shapes import section_of
+
+        return section_of(section, axis=axis, E=E, nu=nu, rho=rho)
 
     @classmethod
     def hyperelastic(
@@ -183,12 +280,38 @@ class Section:
     def from_moduli(
         cls, *, EA: float, GA1: float, GA2: float, EI1: float, EI2: float, GJ: float,
         A_rho: float = 0.0, I_rho1: float = 0.0, I_rho2: float = 0.0, damping: ArrayLike = 0.0,
+        EI12: float = 0.0, GA12: float = 0.0, I_rho12: float = 0.0, centroid: ArrayLike = (0.0, 0.0),
+        shear_centre: ArrayLike = (0.0, 0.0), mass_centre: ArrayLike | None = None,
     ) -> Self:  # fmt: skip
-        """Principal stiffnesses; GA1, GA2 with their shear factors in them. I_rho1 = ∫ρ ξ1² dA sits on d1."""
+        """Moduli of a section; GA1, GA2 with their shear factors in them. I_rho1 = ∫ρ ξ1² dA sits on d1.
+
+        EA and EI act about the ``centroid``, GA and GJ about the ``shear_centre``, both (ξ1, ξ2) from the axis; the
+        inertia is about the ``mass_centre``, the centroid unless given. EI12 = −E∫ξ1 ξ2 dA and GA12 couple where d1
+        and d2 are no principal axes.
+        """
         given = {"GA1": GA1, "GA2": GA2, "EA": EA, "EI1": EI1, "EI2": EI2, "GJ": GJ}
         c = np.diag([number(v, k, above=0.0) for k, v in given.items()])
+        c[3, 4] = c[4, 3] = number(EI12, "EI12")
+        c[0, 1] = c[1, 0] = number(GA12, "GA12")
         inertia = np.diag([number(I_rho1, "I_rho1", least=0.0), number(I_rho2, "I_rho2", least=0.0)])
-        return cls(c, A_rho, inertia, order="shear-axial", damping=np.asarray(damping, float))
+        inertia[0, 1] = inertia[1, 0] = number(I_rho12, "I_rho12")
+        mass = number(A_rho, "A_rho", least=0.0)
+        places = [
+            _place(p, k)
+            for k, p in (
+                ("centroid", centroid),
+                ("shear_centre", shear_centre),
+                ("mass_centre", centroid if mass_centre is None else mass_centre),
+            )
+        ]
+        (c1, c2), (s1, s2), m = places
+        turn = np.eye(6)  # axial strain at the centroid, shear at the shear centre
+        turn[2, 3], turn[2, 4] = c2, -c1
+        turn[0, 5], turn[1, 5] = -s2, s1
+        return cls(
+            turn.T @ c @ turn, mass, inertia + mass * np.outer(m, m), order="shear-axial", S_rho=mass * m,
+            damping=np.asarray(damping, float),
+        )  # fmt: skip
 
     @classmethod
     def circle(
@@ -295,6 +418,31 @@ class Section:
             order="shear-axial", outline=np.asarray(outline), assumptions=tuple(said),
             damping=np.asarray(damping, float),
         )  # fmt: skip
+
+
+class Stressed(Protocol):
+    """Gives section forces from strains (…, stations, 6) at some stations."""
+
+    def forces(self, strain: Array) -> Array: ...
+
+
+def _place(value: ArrayLike, what: str) -> Array:
+    at = _numbers(value)
+    if at.shape != (2,) or not np.all(np.isfinite(at)):
+        raise ModelError(f"{what} of a section is not two numbers", "give (ξ1, ξ2)")
+    return at
+
+
+def _refuse_inertia(mass: float, moments: Array, inertia: Array) -> None:
+    """The mass of a section about an axis off it: ∫ρ (1, ξ1, ξ2)² dA must not be negative."""
+    if not np.any(moments):
+        return
+    whole = np.block([[np.array([[mass]]), moments[None]], [moments[:, None], inertia]])
+    size = np.sqrt(np.maximum(np.diag(whole), 1e-300))
+    if np.linalg.eigvalsh(whole / np.outer(size, size))[0] < -1e-9:
+        raise ModelError(
+            "S_rho is more than A_rho and I_rho allow", "I_rho is about the axis: it holds the part A_ρ x² of an offset"
+        )
 
 
 def _damping(given: ArrayLike, stiffness: Array, rows: Sequence[int]) -> Array:

@@ -38,7 +38,8 @@ class Sources:
 def sources_of(model: Model, groups: Sequence[Group], scheme: Scheme) -> Sources:
     """The sources of a model under a scheme: elements by their names, then sections, then the scheme.
 
-    Elements of one name are one source. A rod's element has two, the fluid around it and its actuation.
+    Elements of one name are one source. A rod's element has two, its actuation and what acts on it from outside: the
+    fluid around it, and its weight where its mass is off the axis.
     """
     index: dict[str, int] = {}
     lossy: set[str] = set()
@@ -60,7 +61,8 @@ def sources_of(model: Model, groups: Sequence[Group], scheme: Scheme) -> Sources
             element.append((own, -1))
         layout = group.layout
         for rod in group.owners:
-            fluid = at(f"fluid around rod {rod!r}", group.lossy, True) if layout.dragged else -1
+            outside = " and ".join(["fluid around"] * layout.dragged + ["weight of"] * layout.eccentric)
+            fluid = at(f"{outside} rod {rod!r}", group.lossy, True) if outside else -1
             strain = at(f"actuation of rod {rod!r}", False, True) if layout.actuated else -1
             element.append((fluid, strain))
     damped = not scheme.static and scheme.rates is not Rates.ALPHA

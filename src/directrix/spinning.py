@@ -51,6 +51,11 @@ def _inertia(group: Group) -> _Inertia | None:
         return _Inertia(np.ones((len(p), 1, 1)), p[:, 0], euler, np.broadcast_to(np.eye(3), (len(p), 1, 3, 3)))
     if group.names:
         return None
+    if group.layout.eccentric:
+        raise ModelError(
+            f"the mass of rod {group.owners[0]!r} is off its axis, and a steady spin has no form for that",
+            "put the axis through the centres of mass, or spin it up with dx.simulate",
+        )
     nn = group.layout.nn
     parts: list[Any] = [np.asarray(p).T for p in group.layout.split(group.parameters.T)]  # type: ignore[arg-type]
     ne = len(parts[4])

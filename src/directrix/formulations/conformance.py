@@ -42,7 +42,8 @@ def random_parameters(rng: np.random.Generator, layout: Layout) -> Array:
     parts = [np.tile(np.eye(3).ravel(), layout.nn)]
     a = rng.standard_normal((6, 6))
     c = a @ a.T + np.eye(6)
-    parts.append(np.diag(c) if layout.principal else c[np.triu_indices(6)])
+    stiffness = np.diag(c) if layout.principal else c[np.triu_indices(6)]
+    parts.append(np.tile(stiffness, layout.points if layout.varying else 1))
     parts += [1.0 + rng.random(layout.points), 0.1 * rng.standard_normal(6 * layout.points)]
     b = rng.standard_normal((layout.nn, layout.nn))
     parts.append((b @ b.T + np.eye(layout.nn))[np.triu_indices(layout.nn)])

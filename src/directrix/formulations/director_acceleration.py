@@ -15,11 +15,12 @@ from directrix.formulations.directors import (
     mass_times,
     on_nodes,
     sub6,
+    weight,
 )
 from directrix.formulations.directors import strains as director_strains
 from directrix.formulations.layout import PER_NODE, Layout, Scalar, Vector, points
 from directrix.formulations.rotational import columns
-from directrix.formulations.so3 import add, from_body, log, scale, times, transposed
+from directrix.formulations.so3 import add, from_body, log, scale, sub, times, transposed
 from directrix.kernels.trace import cross
 
 __all__ = ["DirectorAcceleration"]
@@ -64,6 +65,9 @@ class DirectorAcceleration(DirectorElement):
             e = sub6(director_strains(q, n, dn, parts[2][k]), parts[3][6 * k : 6 * k + 6])
             force = internal(q, n, dn, w, elastic_stress(layout, AT_END, parts, k, (e, e, e)))
             total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
+        if layout.eccentric:
+            for node, heavy in zip(total, weight(layout, parts, True), strict=True):
+                node[:3] = [sub(a, b) for a, b in zip(node[:3], heavy, strict=True)]
         for node, inertia in zip(total, mass_times(layout, parts, second), strict=True):
             node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
         return on_nodes(q, total), moving, turning

@@ -117,7 +117,7 @@ def elastic_stress(
         e = [sub6(part, hat) for part, hat in zip(e, (*hats, mean), strict=True)]
     if layout.law is None:
         mixed = [sum(w * part[k] for w, part in zip(weights, e, strict=True) if w) for k in range(6)]
-        return symmetric_times(parts[1], mixed)
+        return symmetric_times(layout.at(parts[1], g), mixed)
     if rule.static or rule.wh == 1.0:
         return layout.law.stress(e[1] if rule.static else e[2])
     return discrete_gradient(layout, e[0], e[1])
@@ -131,7 +131,7 @@ def algorithmic_stress(
     s = elastic_stress(layout, rule, parts, g, e)
     if rule.static:
         return s
-    c, viscous = parts[1], parts[6]
+    c, viscous = layout.at(parts[1], g), layout.at(parts[6], g)
     delta = sub6(e[1], e[0])
     if rule.dissipative:
         s = [a + 0.5 * dt[2] * b for a, b in zip(s, symmetric_times(c, delta), strict=True)]
@@ -166,7 +166,10 @@ def sub6(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
 
 
 def mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinates) -> list[list[Vector]]:
-    """M v for one element, per node four vectors: A_ρ on r, the Euler dyadic on (d1, d2), nothing on d3."""
+    """M v for one element, per node three vectors: A_ρ on r, the Euler dyadic on (d1, d2), nothing on d3.
+
+    First moments of mass S_ρα couple r and d_α; M stays constant.
+    """
     m, inertia = parts[4], parts[5]
     out: list[list[Vector]] = []
     for a in range(layout.nn):
@@ -179,8 +182,24 @@ def mass_times(layout: Layout, parts: Sequence[Sequence[Scalar]], v: Coordinates
         if not layout.principal:
             on_d1 = add(on_d1, scale(inertia[3], mean[2]))
             on_d2 = add(on_d2, scale(inertia[3], mean[1]))
-        out.append([scale(inertia[0], mean[0]), on_d1, on_d2])
+        on_r = scale(inertia[0], mean[0])
+        if layout.eccentric:
+            on_r = add(on_r, scale(inertia[4], mean[1]), scale(inertia[5], mean[2]))
+            on_d1 = add(on_d1, scale(inertia[4], mean[0]))
+            on_d2 = add(on_d2, scale(inertia[5], mean[0]))
+        out.append([on_r, on_d1, on_d2])
     return out
+
+
+def weight(layout: Layout, parts: Sequence[Sequence[Scalar]], static: bool) -> list[list[Vector]]:
+    """Weight of an element whose mass is off its axis, on (r, d1, d2) of every node: M (g, 0, 0).
+
+    ``static`` takes gravity at the end of a step, else its mean.
+    """
+    before, after = parts[10][:3], parts[10][3:]
+    g = after if static else scale(0.5, add(before, after))
+    nothing = scale(0.0, g)
+    return mass_times(layout, parts, [[g, nothing, nothing]] * layout.nn)
 
 
 def residual(
@@ -219,6 +238,9 @@ def residual(
         for point in drag(layout, parts[9], [node[0] for node in middle], moving, past):
             for node, n in zip(total, point.shape, strict=True):
                 node[0] = sub(node[0], scale(float(n), point.force))
+    if layout.eccentric:
+        for node, heavy in zip(total, weight(layout, parts, rule.static), strict=True):
+            node[:3] = [sub(a, b) for a, b in zip(node[:3], heavy, strict=True)]
     if not rule.static and rule.inertia:
         # M (ẋ1 − ẋ0)/Δt with ẋ1 = (2/Δt)(x1 − x0) − ẋ0, by the very 2/Δt that updates ẋ: no bias in long runs
         rate = [
@@ -250,7 +272,7 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
         e = sub6(strains(q, n, dn, inverse_j), e0)
-        stored = stored + w / inverse_j * layout.energy(parts[1], _stressed(layout, parts, g, e))
+        stored = stored + w / inverse_j * layout.energy(layout.at(parts[1], g), _stressed(layout, parts, g, e))
         d = _at_point(q, n, dn)[0]
         gram = sum((dot(d[i], d[i]) - 1.0) * (dot(d[i], d[i]) - 1.0) for i in range(3))
         gram = gram + 2.0 * sum(dot(d[i], d[j]) * dot(d[i], d[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
@@ -282,8 +304,10 @@ def flows(
     if layout.dragged:
         outside = drag_flows(layout, parts[9], [node[0] for node in q1], step, dt[1], rule.static)
     done: Scalar = 0.0 * p[0]
+    q0 = [[sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
+    if layout.eccentric:
+        outside = [a + b for a, b in zip(outside, _weight_flows(layout, rule, parts, q1, q0, step), strict=True)]
     if layout.actuated:
-        q0 = [[sub(b[0], a[0]), *a[1:]] for a, b in zip(q0, q1, strict=True)]
         middle: Any = [[scale(0.5, add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
         for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
             inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
@@ -291,12 +315,33 @@ def flows(
             before, after = intrinsic(layout, parts[8], g)
             if rule.static:
                 at = [sub6(a, b) for a, b in zip(e, (before, after), strict=False)]
-                pair = [layout.stress(parts[1], a) for a in at]
+                pair = [layout.stress(layout.at(parts[1], g), a) for a in at]
                 s = [0.5 * (a + b) for a, b in zip(*pair, strict=True)]
             else:
                 s = elastic_stress(layout, rule, parts, g, e)
             done = done - w / inverse_j * sum(a * d for a, d in zip(s, sub6(after, before), strict=True))
     return [*outside, 0.0 * done, done]
+
+
+def _weight_flows(
+    layout: Layout, rule: Rule, parts: Sequence[Sequence[Scalar]], q1: Coordinates, q0: Coordinates,
+    step: Sequence[Vector],
+) -> list[Scalar]:  # fmt: skip
+    """Nothing dissipated; work of the weight over a step, its force and its moment about the origin.
+
+    Statics takes the mean over the step for the work, and the weight at its end.
+    """
+    heavy, mean = weight(layout, parts, rule.static), weight(layout, parts, False)
+    done: Scalar = 0.0
+    for a, f in enumerate(mean):
+        moved = [step[a], sub(q1[a][1], q0[a][1]), sub(q1[a][2], q0[a][2])]
+        done = done + sum(dot(f[i], moved[i]) for i in range(3))
+    at = q1 if rule.static else [
+        [scale(0.5, add(b, c)) for b, c in zip(*node, strict=True)] for node in zip(q0, q1, strict=True)
+    ]  # fmt: skip
+    force = add(*(f[0] for f in heavy))
+    moment = add(*(cross(node[i], f[i]) for node, f in zip(at, heavy, strict=True) for i in range(3)))
+    return [0.0 * done, done, *force, *moment]
 
 
 def coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first: int) -> list[Any]:

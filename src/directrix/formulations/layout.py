@@ -39,7 +39,10 @@ class Layout:
     strains (6 each), ∫N_a N_b dS (upper triangle by rows), A_ρ, I_ρ1, I_ρ2 (, I_ρ12), viscous matrix
     (0, 6 or 21), dS/dξ at the inertia points (0 or nn), strains without stress at the stress points at the start and
     at the end of a step (0 or 12 each), drag (0, or c_n, c_t, dS/dξ at the nn inertia points, velocity of the fluid at
-    the start and at the end of a step).
+    the start and at the end of a step), acceleration of gravity at the start and at the end of a step (0 or 6).
+
+    ``varying``: stiffness and viscous matrix are given at every stress point in turn. ``eccentric``: behind I_ρ12 come
+    the first moments of mass S_ρ1, S_ρ2 = ∫ρ ξα dA, and the element carries its own weight, M (g, 0, 0).
     """
 
     last_adds: ClassVar[bool] = False
@@ -53,17 +56,20 @@ class Layout:
     sampled: bool = False
     actuated: bool = False
     dragged: bool = False
+    varying: bool = False
+    eccentric: bool = False
 
     @property
     def sizes(self) -> tuple[int, ...]:
         """Lengths of the parameter blocks."""
         pairs = self.nn * (self.nn + 1) // 2
-        small = self.principal
+        small, each = self.principal, self.points if self.varying else 1
         viscous = {"none": 0, "principal": 6, "full": 21}[self.damping]
         return (
-            9 * self.nn, 6 if small else 21, self.points, 6 * self.points, pairs, 3 if small else 4, viscous,
+            9 * self.nn, each * (6 if small else 21), self.points, 6 * self.points, pairs,
+            6 if self.eccentric else 3 if small else 4, each * viscous,
             self.nn if self.sampled else 0, 12 * self.points if self.actuated else 0,
-            8 + self.nn if self.dragged else 0,
+            8 + self.nn if self.dragged else 0, 6 if self.eccentric else 0,
         )  # fmt: skip
 
     @property
@@ -79,6 +85,11 @@ class Layout:
             parts.append(p[first : first + n])
             first += n
         return parts
+
+    def at(self, block: Sequence[Scalar], g: int) -> Sequence[Scalar]:
+        """The part of a block of matrices that belongs to stress point ``g``."""
+        size = len(block) // self.points
+        return block[size * g : size * g + size] if self.varying else block
 
     def stress(self, stiffness: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
         """∂W/∂ε at the strains ``e``."""

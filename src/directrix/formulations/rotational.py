@@ -94,8 +94,10 @@ def books(
     parts = layout.split(p)
     stored: Scalar = 0.0
     tail: list[Scalar] = []
-    for (w, _, _), inverse_j, e in zip(points(layout.nn, layout.points), parts[2], strains, strict=True):
-        stored = stored + w / inverse_j * layout.energy(parts[1], e)
+    for g, ((w, _, _), inverse_j, e) in enumerate(
+        zip(points(layout.nn, layout.points), parts[2], strains, strict=True)
+    ):
+        stored = stored + w / inverse_j * layout.energy(layout.at(parts[1], g), e)
         tail += [0.0 * e[0], *e]
     momentum = [m[0] for m in mass_times(layout, parts, [[n.v, n.v, n.v] for n in at])]
     kinetic = 0.5 * sum(dot(m, n.v) for m, n in zip(momentum, at, strict=True))

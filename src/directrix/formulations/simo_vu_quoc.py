@@ -118,8 +118,8 @@ def statics(
     """Forces and moments on the nodes in statics: stresses at x1."""
     total: list[list[Vector]] = [[(0.0,) * 3, (0.0,) * 3] for _ in at]
     rows = zip(points(layout.nn, layout.points), sections, strains(layout, parts, at, sections), strict=True)
-    for point, section, e in rows:
-        s = layout.stress(parts[1], e)
+    for g, (point, section, e) in enumerate(rows):
+        s = layout.stress(layout.at(parts[1], g), e)
         n, m = from_body(section.frame, s[:3]), from_body(section.frame, s[3:])
         forces = rot.balance(point, rot.slope([node.r for node in at], point[2]), n, m)
         total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, forces, strict=True)]

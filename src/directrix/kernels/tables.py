@@ -196,8 +196,8 @@ def _at_stations(disc: Discretisation, block: int, factor: float) -> Array:
         if group.names or not len(parts[block]):
             continue
         unit: Any = np.eye(6)[:, :, None]
-        matrix = factor * np.array(symmetric_times(parts[block], unit))
         for k, w in enumerate(gauss(group.layout.points)[1]):
+            matrix = factor * np.array(symmetric_times(group.layout.at(parts[block], k), unit))
             out[group.station + k] = (w / parts[2][k] * matrix).transpose(2, 0, 1)
     return out
 

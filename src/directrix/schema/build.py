@@ -7,14 +7,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from math import radians
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
+from directrix.chains import catenary
 from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import InputError, ModelError
+from directrix.geometry.tables import centreline
 from directrix.model import Model, Vec
 from directrix.points import Recorder, place
 from directrix.result import Mesh
@@ -23,9 +26,11 @@ from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
 from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
+from directrix.schema.geometry import build_geometry
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
+from directrix.tapered import taper
 
 __all__ = ["build_control", "build_model", "build_records", "placed"]
 
@@ -116,9 +121,12 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
     sections: dict[str, Section] = {}
     for name, table in tables.section.items():
         with placed(source, ("section", name)):
-            sections[name] = _section(table)
+            sections[name] = _section(table, sections)
+    folder = FilePath(source.name).parent
     for k, rod in enumerate(tables.rod):
-        yield ("rod", k), partial(_rod, rod, sections)
+        yield ("rod", k), partial(_rod, rod, sections, folder)
+    for k, made in enumerate(tables.geometry):
+        yield ("geometry", k), partial(build_geometry, made, sections, folder)
     for k, node in enumerate(tables.node):
         yield ("node", k), partial(_node, node)
     for k, support in enumerate(tables.support):
@@ -152,8 +160,24 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         yield ("rigid_velocity",), partial(_rigid_velocity, tables.rigid_velocity)
 
 
-def _section(table: sec.Section) -> Section:
+def _section(table: sec.Section, known: Mapping[str, Section]) -> Section:
+    if isinstance(table, sec.Taper):
+        for name in table.sections:
+            if name not in known:
+                raise ModelError(
+                    f"there is no section {name!r} above this one", f"above it are {', '.join(known) or 'none'}"
+                )
+        return taper(list(zip(table.at, (known[name] for name in table.sections), strict=True)))
+    made = _as_it_is(table)
+    if table.turn:
+        made = made.turned(table.turn)
+    return made.offset(*table.offset) if any(table.offset) else made
+
+
+def _as_it_is(table: sec.Plain) -> Section:
     match table:
+        case sec.Profile():
+            return Section.profile(**_given(table))
         case sec.Circle():
             return Section.circle(**_given(table))
         case sec.Rectangle():
@@ -179,16 +203,24 @@ def _section(table: sec.Section) -> Section:
         case sec.Matrix():
             inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
             return Section(
-                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(table.damping)
-            )
+                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(table.damping),
+                S_rho=np.array(table.S_rho),
+            )  # fmt: skip
 
 
 def _given(table: Strict) -> Mapping[str, Any]:
     """What the file says and nothing else, so that the constructor's own defaults hold."""
-    return table.model_dump(exclude={"kind"}, exclude_unset=True)
+    return table.model_dump(
+        exclude={"kind", "turn", "offset"} if isinstance(table, sec.Damped) else {"kind"}, exclude_unset=True
+    )
 
 
-def _curve(rod: m.Rod) -> Curve:
+def _curve(rod: m.Rod, folder: FilePath) -> Curve:
+    if rod.catenary is not None:
+        return catenary(**_given(rod.catenary), directors=rod.directors, d1=rod.d1)
+    if rod.centreline is not None:
+        given = dict(_given(rod.centreline))
+        return centreline(folder / given.pop("file"), **given, directors=rod.directors, d1=rod.d1)
     if rod.line is not None:
         return line(*rod.line, directors=rod.directors, d1=rod.d1)
     if rod.arc is not None:
@@ -200,14 +232,14 @@ def _curve(rod: m.Rod) -> Curve:
     return spline(rod.spline or (), directors=rod.directors, d1=rod.d1)
 
 
-def _rod(rod: m.Rod, sections: Mapping[str, Section], model: Model) -> Model:
+def _rod(rod: m.Rod, sections: Mapping[str, Section], folder: FilePath, model: Model) -> Model:
     if rod.section not in sections:
         raise ModelError(
             f"rod {rod.name!r} has the section {rod.section!r}, which the file does not define",
             f"sections of this file: {', '.join(sections)}",
         )
     return model.rod(
-        _curve(rod),
+        _curve(rod, folder),
         sections[rod.section],
         name=rod.name,
         ends=rod.ends,
@@ -215,6 +247,7 @@ def _rod(rod: m.Rod, sections: Mapping[str, Section], model: Model) -> Model:
         order=rod.order,
         points=rod.points,
         nodes=rod.nodes,
+        twist=rod.twist,
     )
 
 

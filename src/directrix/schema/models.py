@@ -13,6 +13,7 @@ from directrix.checks import step_count
 from directrix.errors import ModelError
 from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
 from directrix.schema.functions import Time, VectorTable
+from directrix.schema.geometry import AnyGeometry, Catenary, Centreline
 from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
 
@@ -27,6 +28,8 @@ Motion = Annotated[
     Annotated[Vector, Tag("vector")] | Annotated[VectorTable, Tag("table")], Discriminator(_vector_or_table)
 ]
 
+
+Pair = tuple[float, float]
 
 # --- rods
 
@@ -55,11 +58,11 @@ class Helix(Strict):
     """Direction from the axis to the start; default: the Cartesian axis least aligned with ``axis``."""
 
 
-CURVES = ("line", "arc", "helix", "polyline", "spline")
+CURVES = ("line", "arc", "helix", "polyline", "spline", "catenary", "centreline")
 
 
 class Rod(Strict):
-    """One rod: a section, a mesh, and exactly one of line, arc, helix, polyline, spline."""
+    """One rod: a section, a mesh, and exactly one of line, arc, helix, polyline, spline, catenary, centreline."""
 
     name: Name
     section: Name
@@ -74,6 +77,14 @@ class Rod(Strict):
     """Straight between the points."""
     spline: Annotated[tuple[Vector, ...], Field(strict=False, min_length=3)] | None = None
     """Smooth through three points or more."""
+    catenary: Catenary | None = None
+    """Chain that hangs between two points."""
+    centreline: Centreline | None = None
+    """Smooth through the points of a file."""
+    twist: (
+        float | Annotated[tuple[Annotated[Pair, Field(strict=False)], ...], Field(strict=False, min_length=2)] | None
+    ) = None
+    """Turn [rad] of the sections about the axis at its end, or pairs (fraction of the arclength, angle)."""
     d1: Vector | None = None
     """Its part normal to the axis at the start is the first director.
 
@@ -288,9 +299,6 @@ class Dashpot(Link):
 
 
 # --- what drives and resists
-
-
-Pair = tuple[float, float]
 
 
 class Actuate(Strict):
@@ -618,6 +626,7 @@ class CaseFile(Strict):
     description: str = ""
     section: dict[Name, Section] = Field(default_factory=dict[str, Section])
     rod: Annotated[tuple[Rod, ...], Field(strict=False)] = ()
+    geometry: Annotated[tuple[AnyGeometry, ...], Field(strict=False)] = ()
     node: Annotated[tuple[Node, ...], Field(strict=False)] = ()
     joint: Annotated[tuple[AnyJoint, ...], Field(strict=False)] = ()
     support: Annotated[tuple[Support, ...], Field(strict=False)] = ()
@@ -658,7 +667,7 @@ class CaseFile(Strict):
 
     @model_validator(mode="after")
     def _something(self) -> Self:
-        if not self.rod and not self.node:
+        if not self.rod and not self.node and not self.geometry:
             raise refuse(
                 "the file has neither a [[rod]] nor a [[node]]",
                 "add a [[rod]] with its [section.…], or a [[node]] with a [[rigid_body]]",

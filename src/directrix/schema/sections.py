@@ -8,7 +8,21 @@ from pydantic import Field, model_validator
 
 from directrix.schema.base import NotNegative, Positive, Strict, refuse
 
-__all__ = ["Circle", "Material", "Matrix", "Moduli", "Properties", "Rectangle", "Section", "Shape", "Tube"]
+__all__ = [
+    "Circle",
+    "Damped",
+    "Material",
+    "Matrix",
+    "Moduli",
+    "Plain",
+    "Profile",
+    "Properties",
+    "Rectangle",
+    "Section",
+    "Shape",
+    "Taper",
+    "Tube",
+]
 
 Row2 = Annotated[tuple[float, float], Field(strict=False)]
 Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
@@ -19,6 +33,10 @@ class Damped(Strict):
 
     damping: NotNegative = 0.0
     """Kelvin–Voigt damping: viscous matrix over stiffness, a time. Used in dynamics."""
+    turn: float = 0.0
+    """Angle [rad] by which it is turned in its plane, from d1 towards d2; before ``offset``."""
+    offset: Row2 = (0.0, 0.0)
+    """Place of it, as it is, from the axis of the rod, along d1 and d2."""
 
 
 class Material(Damped):
@@ -97,6 +115,32 @@ class Properties(Material):
     """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
 
 
+class Profile(Material):
+    """A steel profile of the standards."""
+
+    kind: Literal["profile"]
+    name: str
+    """IPE, HEA, HEB, UPN, CHS, RHS, SHS (cold-formed: CFRHS …) with their sizes, e.g. "IPE200", "RHS 100x50x4"."""
+    unit: Positive = 1e-3
+    """A millimetre in lengths of the model."""
+
+
+class Taper(Strict):
+    """A section that varies along a rod, linear between other sections of this case."""
+
+    kind: Literal["taper"]
+    at: Annotated[tuple[float, ...], Field(strict=False, min_length=2)]
+    """Fractions of the arclength, from 0 to 1."""
+    sections: Annotated[tuple[str, ...], Field(strict=False, min_length=2)]
+    """Names of the sections there, which stand above this one."""
+
+    @model_validator(mode="after")
+    def _as_many(self) -> Self:
+        if len(self.at) != len(self.sections):
+            raise refuse(f"there are {len(self.at)} places and {len(self.sections)} sections", "give as many", "at")
+        return self
+
+
 class Moduli(Damped):
     """Principal stiffnesses."""
 
@@ -115,6 +159,17 @@ class Moduli(Damped):
     """∫ρ ξ1² dA, on d1 (belongs with EI2)."""
     I_rho2: NotNegative = 0.0
     """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
+    EI12: float = 0.0
+    """−E ∫ξ1 ξ2 dA."""
+    GA12: float = 0.0
+    I_rho12: float = 0.0
+    """∫ρ ξ1 ξ2 dA."""
+    centroid: Row2 = (0.0, 0.0)
+    """Where EA and EI act, from the axis along d1 and d2."""
+    shear_centre: Row2 = (0.0, 0.0)
+    """Where GA and GJ act."""
+    mass_centre: Row2 | None = None
+    """What the inertia is about; the centroid unless given."""
 
 
 class Matrix(Damped):
@@ -129,6 +184,11 @@ class Matrix(Damped):
     """Mass per length."""
     I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
     """∫ρ ξα ξβ dA, 2×2."""
+    S_rho: Row2 = (0.0, 0.0)
+    """∫ρ ξα dA, first moments of mass."""
 
 
-Section = Annotated[Circle | Rectangle | Tube | Properties | Moduli | Matrix, Field(discriminator="kind")]
+Plain = Circle | Rectangle | Tube | Profile | Properties | Moduli | Matrix
+Section = Annotated[
+    Circle | Rectangle | Tube | Profile | Properties | Moduli | Matrix | Taper, Field(discriminator="kind")
+]
