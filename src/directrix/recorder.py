@@ -57,6 +57,7 @@ class Recorder:
         scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
+        stressed = self._stressed(strain, scalars)
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
@@ -78,7 +79,8 @@ class Recorder:
             Rdot=rates,
             reaction=reaction,
             strain=strain,
-            force=self.disc.section_force(self._stressed(strain, scalars)),
+            force=self.disc.section_force(stressed),
+            density=self.disc.stored_density(stressed),
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from directrix.checks import shown
 from directrix.errors import ModelError
+from directrix.marks import Mark
 
 if TYPE_CHECKING:
     from directrix.audit import Audit
@@ -60,7 +61,8 @@ class Mesh:
     ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
     ``notes`` are sentences about what meshing changed. ``joints`` are the joints' names, ``joint_nodes`` (joints, 2)
     the nodes of their base and of what moves, −1 for the ground, and ``joint_arms`` (joints, 2, 3) the way from these
-    nodes to the joint in the reference; on the ground its place.
+    nodes to the joint in the reference; on the ground its place. ``marks`` are what pictures show beside the
+    rods: supports, loads, springs and masses.
     """
 
     rods: tuple[RodMesh, ...]
@@ -70,6 +72,7 @@ class Mesh:
     joints: tuple[str, ...] = ()
     joint_nodes: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     joint_arms: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    marks: tuple[Mark, ...] = ()
 
     @cached_property
     def loose(self) -> NDArray[np.int64]:
@@ -274,6 +277,7 @@ class Result:
         from which every director velocity follows); zero in statics
     reaction : (nt, n, 6) support forces and moments on the nodes
     strain, force : (nt, stations, 6)
+    density : (nt, stations) stored energy per unit of reference length; (0, 0) where nobody worked it out
     energy, momentum : histories
     iterations : (steps,) Newton iterations of every step taken
     status : how it ended
@@ -306,6 +310,7 @@ class Result:
     status: Status
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    density: Array = field(default_factory=lambda: np.zeros((0, 0)))
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
@@ -383,7 +388,10 @@ class Result:
         return Plots(self)
 
     def view(self, path: str | PathLike[str]) -> str:
-        """Write one self-contained HTML page (orbit, time slider, directors); returns its path."""
+        """Write one self-contained HTML page (orbit, playback, fields in colour); returns its path.
+
+        Several results on one page: :func:`directrix.view`.
+        """
         from directrix.viewer import write_html
 
         return write_html(self, path)
