@@ -75,7 +75,8 @@ class Page:
             time.sleep(0.05)
 
     def press(self, key: str) -> None:
-        self.run(f"(dispatchEvent, document.body.dispatchEvent(new KeyboardEvent('keydown', {{ key: {json.dumps(key)}, bubbles: true }})))")
+        pressed = f"new KeyboardEvent('keydown', {{ key: {json.dumps(key)}, bubbles: true }})"
+        self.run(f"document.body.dispatchEvent({pressed})")
 
     def choose(self, name: str, value: str) -> None:
         """Take an entry of a list."""

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
     from directrix.storage import load
+    from directrix.viewer import view
 
 __version__ = "0.1.0"
 
@@ -81,6 +82,7 @@ __all__ = [
     "solve_static",
     "spline",
     "table",
+    "view",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
@@ -111,6 +113,7 @@ _HOME = {
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
     "storage": ("load",),
+    "viewer": ("view",),
 }
 
 

@@ -396,11 +396,23 @@ class Result:
 
         return write_html(self, path)
 
+    def movie(self, path: str | PathLike[str], **options: Any) -> str:
+        """Write the motion as a .gif or .mp4 file; returns its path. ``options``: ``seconds``, ``fps``, ``width``,
+        ``height``, ``field``, see :func:`directrix.movie.write_movie`; needs matplotlib."""
+        from directrix.movie import write_movie
+
+        return write_movie(self, path, **options)
+
     def save(self, path: str | PathLike[str]) -> str:
         """Write one HDF5 file that ParaView opens (VTKHDF) and ``dx.load`` reads; returns its path."""
         from directrix.storage.vtkhdf import save
 
         return save(self, path)
+
+    def _repr_html_(self) -> str:
+        from directrix.notebook import result_html
+
+        return result_html(self)
 
     def __str__(self) -> str:
         from directrix.audit import report

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +27,11 @@ from directrix.joint_checks import refuse_joints
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
-from directrix.recorder import Progress, Recorder
+from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status, TurningPoint, turn_length
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
+from directrix.telling import line
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -50,7 +52,7 @@ def solve_static(
     tolerance: float = 1e-9,
     rotation: str = "exponential",
     stability: bool | None = None,
-    progress: Progress | None = None,
+    progress: Progress | Literal[True] | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
     """Find equilibria while the load factor goes from 0 to 1 in equal parts, or along the path of a ``control``.
@@ -86,6 +88,7 @@ def solve_static(
         potential there is nothing to read, and ``info["stability"]`` says why.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
+        True shows a line, in a notebook a bar.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 
@@ -121,7 +124,7 @@ def solve_static(
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
-    recorder = Recorder(disc, "static")
+    recorder = Recorder(disc, "static", feed_of(progress))
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
@@ -201,7 +204,7 @@ class _LoadSteps:
             part = round(factor * steps)
             if factor == goal and (part % self.save_every == 0 or part == steps):
                 self._keep()
-            progress(factor, f"load factor {factor:.6g}  {outcome.iterations} iterations")
+            progress(factor, line("load factor", factor, self.recorder.iterations, cuts=self.cuts))
         cut = f", {self.cuts} of them cut" if self.cuts else ""
         return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
 

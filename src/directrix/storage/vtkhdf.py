@@ -288,9 +288,14 @@ def _read_result(root: Any) -> Result:
         kind=text("kind"),
         name=text("name"),
         mesh=Mesh(
-            tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints, *ends,
+            tuple(RodMesh(*rod) for rod in rods),
+            names,
+            group["r0"][()],
+            notes,
+            joints,
+            *ends,
             marks=tuple(mark_from(m) for m in text("marks")) if "marks" in root else (),
-        ),  # fmt: skip
+        ),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
         contacts=_read_named(root, "contacts"),

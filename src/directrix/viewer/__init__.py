@@ -7,6 +7,7 @@ import json
 import re
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from hashlib import sha256
 from importlib.resources import files
 from os import PathLike
@@ -102,7 +103,7 @@ def page_text(data: dict[str, Any]) -> str:
 
 
 def page_data(
-    results: Sequence[Result], labels: Iterable[str], base: tuple[Array, Array] | None = None, *, live: bool = False
+    results: Sequence[Result], labels: Iterable[str], base: tuple[Array, Array] | None = None
 ) -> dict[str, Any]:
     """What the page knows: words as they are, numbers as little-endian float32 in base64."""
     runs = [_run(run, label, BYTES_AT_MOST // len(results), base) for run, label in zip(results, labels, strict=True)]
@@ -114,7 +115,7 @@ def page_data(
         + ([f"{len(first.mesh.r0)} nodes"] if len(runs) == 1 else []),
         "units": _units(info.get("units")),
         "mode": base is not None,
-        "live": live,
+        "live": 0,  # a page that asks for more has counted what it has
         "runs": runs,
     }
 
@@ -169,9 +170,7 @@ def _run(result: Result, label: str, budget: int, base: tuple[Array, Array] | No
         "loose": mesh.loose.tolist(),
         "joints": mesh.joint_nodes.tolist(),  # base and what moves, −1 the ground
         "marks": [
-            {"kind": m.kind, "nodes": m.nodes, "vector": m.vector, "follower": m.follower, "place": m.place, "text": m.text}
-            for m in mesh.marks
-            if m.kind != "gravity"
+            asdict(mark) for mark in mesh.marks if mark.kind != "gravity"
         ],
         "gravity": np.sum(gravity, axis=0).tolist() if gravity else None,
         "rods": [_rod(rod) for rod in mesh.rods],
