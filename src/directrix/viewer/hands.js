@@ -31,7 +31,7 @@ function lookFrom(name) {
   const follow = checked("follow"), factor = Number(part("deformation").value);
   seen.target = (follow ? seen.home : room.centre).slice();
   const { right, up, back } = look(seen, 1, 1, room), dot = (v, x, y, z) => v[0] * x + v[1] * y + v[2] * z;
-  const steep = 1 / Math.tan(0.5 * FIELD), flat = steep * space.clientHeight / Math.max(1, space.clientWidth);
+  const steep = 1 / Math.tan(0.5 * FIELD), flat = steep * space.clientHeight / Math.max(1, space.clientWidth * (1 - aside()));
   seen.distance = 0.2 * room.own; // far enough for every node at every instant
   for (const run of runs) {
     const width = 3 * run.nodes, base = run.base.r;
@@ -101,6 +101,7 @@ function hands() {
   part("colour").addEventListener("change", () => { showScale(); redraw(); });
   part("thickness").addEventListener("change", () => { skin(); redraw(); });
   part("deformation").addEventListener("change", () => { tellDeformation(); lookFrom("fit"); });
+  part("options").addEventListener("toggle", redraw);
   part("photo").addEventListener("click", savePhoto);
   for (const id of ["ask", "close"]) part(id).addEventListener("click", help);
   addEventListener("resize", redraw);

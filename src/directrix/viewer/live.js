@@ -12,7 +12,7 @@ async function ask() {
   } catch {
     return tell(0, "nobody answers any more; this page stays as it is");
   }
-  setTimeout(ask, Math.max(400, 4 * (performance.now() - asked))); // a slow answer is not asked for often
+  setTimeout(ask, Math.min(1500, Math.max(300, 4 * (performance.now() - asked)))); // a slow answer is not asked for often
 }
 
 function tell(done, line) {

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 __all__ = ["Live"]
 
+PATIENCE = 8.0  # seconds that open pages have to fetch the end
 INSTANTS_AT_MOST = 240  # then every other one is dropped, and from there on every other one is kept
 WAITING = (
     "<!doctype html><html lang='en'><meta charset='utf-8'><meta http-equiv='refresh' content='1'>"
@@ -100,9 +101,11 @@ class Live:
 
     def __exit__(self, *_: object) -> None:
         self.over = True
-        end = time.monotonic() + 5.0
-        while time.monotonic() < end and any(end - 8.0 < asked for asked in list(self.waiting.values())):
-            time.sleep(0.05)
+        now = time.monotonic()
+        while time.monotonic() < now + PATIENCE and any(
+            now - asked < PATIENCE for asked in list(self.waiting.values())
+        ):
+            time.sleep(0.02)
         self.server.shutdown()
         self.server.server_close()
         self.thread.join()
@@ -138,7 +141,7 @@ class Live:
                 said |= {"count": found[0], "page": found[1]}
         self.waiting[who] = time.monotonic()
         if over:
-            del self.waiting[who]
+            self.waiting.pop(who)
         return said
 
 
@@ -178,6 +181,9 @@ class _Handler(BaseHTTPRequestHandler):
         elif where.path == "/":
             found = self.live.page()
             self._send("text/html", WAITING if found is None else page_text(found[1]))
+        elif where.path == "/favicon.ico":  # every browser asks
+            self.send_response(204)
+            self.end_headers()
         elif where.path == "/state":
             after = parse_qs(where.query).get("after", ["0"])[0]
             who = f"{self.client_address[0]} {self.headers.get('User-Agent')}"
