@@ -69,7 +69,8 @@ def test_an_mp4_plays(tmp_path: Path) -> None:
 def test_what_cannot_be_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     result = fake_result()
     for path, options, said in (
-        ("run.avi", {}, "no movie that can be written"), ("run.gif", {"fps": 0}, "fps"), ("run.gif", {"seconds": -1}, "seconds"),
+        ("run.avi", {}, "no movie that can be written"), ("run.gif", {"fps": 0}, "fps"),
+        ("run.gif", {"seconds": -1}, "seconds"),
         ("run.gif", {"field": "colour"}, "field"), ("run.gif", {"field": "density"}, "no strain energy density"),
         ("run.gif", {"seconds": 1e4}, "too many"), ("no/run.gif", {}, "cannot write"),
     ):  # fmt: skip

@@ -103,6 +103,6 @@ def _vec(value: Any) -> Vec:
 
 def mark_from(said: Mapping[str, Any]) -> Mark:
     """A mark from its fields as JSON gives them."""
-    place = said["place"]
-    vector, nodes = _vec(said["vector"]), tuple(int(k) for k in said["nodes"])
-    return Mark(**{**said, "nodes": nodes, "vector": vector, "place": None if place is None else _vec(place)})
+    place = None if said["place"] is None else _vec(said["place"])
+    nodes = tuple(int(k) for k in said["nodes"])
+    return Mark(said["kind"], nodes, _vec(said["vector"]), said["follower"], place, said["text"])

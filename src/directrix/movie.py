@@ -111,7 +111,8 @@ def _pictures(
     paint = _painter(stage, result, values, field)
     moving: set[Any] = set()
     clock = result.t if draw.rises(result) else np.arange(len(result.t), dtype=float)
-    for t in np.linspace(clock[0], clock[-1], count):
+    times: list[float] = np.linspace(float(clock[0]), float(clock[-1]), count).tolist()
+    for t in times:
         k = min(int(np.searchsorted(clock, t, "right")) - 1, len(clock) - 2)
         a = float((t - clock[k]) / (clock[k + 1] - clock[k]))
         for artist in moving:

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
+from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -168,15 +169,17 @@ def _notebook_bar() -> Callable[[float, str], None] | None:
     shell: Any = sys.modules["IPython"].get_ipython()
     if shell is None or not hasattr(shell, "kernel"):
         return None
-    from IPython.display import HTML, display  # pyright: ignore
-
+    import_module("IPython.display")
+    page: Any = sys.modules["IPython.display"]
     handle: Any = None
 
     def show(done: float, text: str) -> None:
         nonlocal handle
-        bar = HTML(f'<progress max="1" value="{done:.4f}" style="width: 180px"></progress> {done:.0%} {escape(text)}')
+        bar: Any = page.HTML(
+            f'<progress max="1" value="{done:.4f}" style="width: 180px"></progress> {done:.0%} {escape(text)}'
+        )
         if handle is None:
-            handle = display(bar, display_id=True)
+            handle = page.display(bar, display_id=True)
         else:
             handle.update(bar)
 

@@ -31,7 +31,10 @@ function lookFrom(name) {
   const follow = checked("follow"), factor = Number(part("deformation").value);
   seen.target = (follow ? seen.home : room.centre).slice();
   const { right, up, back } = look(seen, 1, 1, room), dot = (v, x, y, z) => v[0] * x + v[1] * y + v[2] * z;
-  const steep = 1 / Math.tan(0.5 * FIELD), flat = steep * space.clientHeight / Math.max(1, space.clientWidth * (1 - aside()));
+  const [aside, below] = covered(), base = 1 / Math.tan(0.5 * FIELD), steep = base / (1 - below);
+  const flat = base * space.clientHeight / Math.max(1, space.clientWidth * (1 - aside));
+  const loads = checked("marks") && runs.some((run) => run.marks.some(({ vector }) => vector.some(Boolean)));
+  const margin = loads ? 1.35 : 1.15; // arrows want room as well
   seen.distance = 0.2 * room.own; // far enough for every node at every instant
   for (const run of runs) {
     const width = 3 * run.nodes, base = run.base.r;
@@ -39,7 +42,7 @@ function lookFrom(name) {
       const points = run.r.subarray(k * width, (k + 1) * width), about = follow ? centroid(points) : seen.target;
       for (let i = 0; i < width; i += 3) {
         const p = [0, 1, 2].map((m) => base[i + m] + factor * (points[i + m] - base[i + m]) - about[m]);
-        const needed = dot(back, ...p) + 1.15 * Math.max(flat * Math.abs(dot(right, ...p)), steep * Math.abs(dot(up, ...p)));
+        const needed = dot(back, ...p) + margin * Math.max(flat * Math.abs(dot(right, ...p)), steep * Math.abs(dot(up, ...p)));
         seen.distance = Math.max(seen.distance, needed);
       }
     }
@@ -177,7 +180,7 @@ function begin() {
   setClock();
   part("refusal").hidden = Boolean(scene);
   part("options").hidden = !scene;
-  if (innerWidth < 640) part("options").open = false;
+  if (innerWidth < 700 || innerHeight < 560) part("options").open = false;
   for (const run of runs) run.held = new Set(run.marks.filter(({ kind }) => ["clamp", "pin", "fix", "prescribe"].includes(kind)).flatMap(({ nodes }) => nodes));
   readInk();
   words();

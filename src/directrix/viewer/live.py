@@ -119,7 +119,7 @@ class Live:
         result = _so_far(*about, instants) if final is None and about is not None else final
         assert result is not None
         try:
-            data = {**page_data((result,), (result.name,)), "live": count}
+            data: dict[str, Any] = {**page_data((result,), (result.name,)), "live": count}
         except ModelError:  # numbers that are not finite: the run will say so itself
             return None
         if final is None:

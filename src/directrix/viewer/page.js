@@ -158,5 +158,5 @@ function showScale() {
   part("low").textContent = brief(seen.low);
   part("zero").textContent = field.signed ? "0" : "";
   part("high").textContent = brief(seen.high);
-  part("range").textContent = seen.extremes = `over all times ${brief(low)} … ${brief(high)}`;
+  part("range").textContent = seen.extremes = `over all times ${[low, high].map((x) => brief(Math.abs(x) < 1e-6 * most ? 0 : x)).join(" … ")}`;
 }

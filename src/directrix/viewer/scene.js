@@ -281,8 +281,8 @@ function attributes(gl, made, parts, divisor) {
 }
 
 // A camera that turns about a target: yaw about z, pitch over the x-y plane; straight down is no special case.
-// `aside` is the share of the width on the right that something else covers.
-function look({ target, yaw, pitch, distance }, width, height, room, aside = 0) {
+// `covered` are the shares of the width on the right and of the height below that something else covers.
+function look({ target, yaw, pitch, distance }, width, height, room, covered = [0, 0]) {
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   const right = [-sy, cy, 0], up = [-sp * cy, -sp * sy, cp], back = [cp * cy, cp * sy, sp];
   const eye = target.map((t, i) => t + distance * back[i]);
@@ -291,8 +291,11 @@ function look({ target, yaw, pitch, distance }, width, height, room, aside = 0) 
   const dot = (v) => -(v[0] * eye[0] + v[1] * eye[1] + v[2] * eye[2]);
   const rows = [right.map((x) => x * focal * height / width), up.map((x) => x * focal), back.map((x) => x * slope), back.map((x) => -x)];
   const last = [dot(right) * focal * height / width, dot(up) * focal, dot(back) * slope + shift, -dot(back)];
-  rows[0] = rows[0].map((x, j) => x - aside * rows[3][j]);
-  last[0] -= aside * last[3];
+  covered.forEach((share, i) => {
+    const shift = i === 0 ? -share : share;
+    rows[i] = rows[i].map((x, j) => x + shift * rows[3][j]);
+    last[i] += shift * last[3];
+  });
   const matrix = new Float32Array(16);
   for (let i = 0; i < 4; i++) {
     for (let j = 0; j < 3; j++) matrix[4 * j + i] = rows[i][j];

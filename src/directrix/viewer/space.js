@@ -72,13 +72,14 @@ const middleOf = (key) => centroid(runs.length === 1 ? runs[0][key] : Float32Arr
 function eyeOn() {
   const drift = checked("follow") ? middleOf("r_").map((x, i) => x - seen.home[i]) : [0, 0, 0];
   const eye = { ...seen, target: seen.target.map((x, i) => x + drift[i]) };
-  return look(eye, space.width, space.height, { ...room, reach: room.reach + Math.hypot(...drift) }, aside());
+  return look(eye, space.width, space.height, { ...room, reach: room.reach + Math.hypot(...drift) }, covered());
 }
 
-// The share of the width that the options take.
-function aside() {
+// The shares of width and height that the options and the legend take.
+function covered() {
   const wide = part("options").open ? part("options").offsetWidth + 12 : 0, all = space.clientWidth;
-  return all > 760 ? wide / all : 0;
+  const high = part("scale").hidden ? 0 : part("scale").offsetHeight + 10;
+  return [all > 760 ? wide / all : 0, Math.min(0.3, high / Math.max(1, space.clientHeight))];
 }
 
 function drawSpace() {
