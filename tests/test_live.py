@@ -151,7 +151,7 @@ def test_an_open_page_follows_the_run(chromium: Browser, pictures: Path) -> None
 
 def test_lines() -> None:
     assert line("t =", 0.5, [3, 7], energy=2.5, error=3e-16) == (
-        "t = 0.5, step 2, 7 iterations, H = 2.5, energy error 3.0e-16"
+        "t = 0.5, step 2, 7 iterations, energy error 3e-16, H = 2.5"
     )
     assert line("load factor", 1.0, [4], cuts=2) == "load factor 1, step 1, 4 iterations, 2 cuts"
     assert [time_left(done, 10.0) for done in (0.0, 0.5, 0.01, 0.001, 1.0)] == [

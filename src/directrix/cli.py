@@ -158,6 +158,9 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
+    threads: Annotated[
+        int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+    ] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Open a page that shows the motion while it runs.")] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="--watch: port of this machine; 0 takes a free one.")] = 0,
@@ -178,10 +181,10 @@ def run(
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         if not watched:
             with live(console) as progress:
-                return case.run(progress)
+                return case.run(progress, threads)
         with opened(port) as page, live(console) as progress:
             page.then = progress
-            result = case.run(page)
+            result = case.run(page, threads)
             page.finish(result)
             return result
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from rich.table import Column, Table
 
 from directrix.result import Result
 from directrix.telling import time_left
@@ -26,14 +26,15 @@ __all__ = ["live", "opened", "show"]
 def live(console: Console) -> Generator[Callable[[float, str], None]]:
     """A live bar with the solver's line; where nothing can move, a line every five seconds and at the end."""
     columns = (
-        BarColumn(bar_width=24),
+        BarColumn(bar_width=16),
         TaskProgressColumn(),
         TimeElapsedColumn(),
-        TextColumn("{task.description}", markup=False),
+        TextColumn("{task.fields[left]}", markup=False),
+        TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1)),
     )
     moves = console.is_terminal and not console.quiet
-    with Progress(*columns, console=console, disable=not moves) as bar:
-        task = bar.add_task("preparing; new kernels are compiled once, some seconds", total=1.0)
+    with Progress(*columns, console=console, disable=not moves, expand=True) as bar:
+        task = bar.add_task("preparing; new kernels are compiled once, some seconds", total=1.0, left="")
         started: tuple[float, float] | None = None  # when steps began, and at which share
         shown = time.monotonic()
 
@@ -45,11 +46,10 @@ def live(console: Console) -> Generator[Callable[[float, str], None]]:
             if done >= 1.0 or now - shown > (0.1 if moves else 5.0):
                 shown = now
                 left = time_left((done - started[1]) / (1.0 - started[1] or 1.0), now - started[0])
-                said = f"{text}, {left}" if left else text
                 if moves:
-                    bar.update(task, completed=done, description=said)
+                    bar.update(task, completed=done, description=text, left=left)
                 else:
-                    console.print(f"{done:4.0%}  {said}", markup=False, soft_wrap=True)
+                    console.print(f"{done:4.0%}  {text}" + (f", {left}" if left else ""), markup=False, soft_wrap=True)
 
         yield progress
 

@@ -10,13 +10,13 @@ __all__ = ["line", "time_left"]
 def line(
     clock: str, at: float, iterations: Sequence[int], *, cuts: int = 0, energy: float | None = None, error: float = 0.0
 ) -> str:
-    """Where a run is: time or load factor, steps and the iterations of the last, cuts, energy and how far its ledger
-    is from closing, relative to what was turned over."""
+    """Where a run is: time or load factor, steps and the iterations of the last, cuts, how far the ledger of
+    its energy is from closing, relative to what was turned over, and the energy."""
     parts = [f"{clock} {at:.6g}", f"step {len(iterations)}", f"{iterations[-1] if iterations else 0} iterations"]
     if cuts:
         parts.append(f"{cuts} cut{'s' * (cuts > 1)}")
     if energy is not None:
-        parts += [f"H = {energy:.6g}", f"energy error {error:.1e}"]
+        parts += [f"energy error {error:.0e}", f"H = {energy:.6g}"]
     return ", ".join(parts)
 
 
