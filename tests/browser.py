@@ -27,7 +27,9 @@ MISSING = "" if CHROMIUM and websocket else "needs a chromium and websocket-clie
 class Page:
     """One page: what it says on its console and what breaks in it is kept in ``errors``."""
 
-    def __init__(self, port: int, url: str, *, width: int, height: int, dark: bool, files: Path | None) -> None:
+    def __init__(
+        self, port: int, url: str, *, width: int, height: int, dark: bool, files: Path | None, first: str
+    ) -> None:
         target = Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT")
         address = json.load(urlopen(target, timeout=20))["webSocketDebuggerUrl"]
         self.socket = websocket.create_connection(address, timeout=60, suppress_origin=True)
@@ -38,6 +40,7 @@ class Page:
         self.theme(dark)
         if files is not None:
             self.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(files))
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=first)
         self.call("Page.navigate", url=url)
         self.wait("document.documentElement?.dataset.state === 'ready'")
 
@@ -83,9 +86,13 @@ class Page:
         at = f"document.getElementById({json.dumps(name)})"
         self.run(f"{at}.value = {json.dumps(value)}; {at}.dispatchEvent(new Event('change'))")
 
+    def settle(self) -> None:
+        """Until what was asked for is drawn."""
+        self.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+
     def picture(self, path: Path | None = None) -> bytes:
         """The page as PNG."""
-        self.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+        self.settle()
         data = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         if path is not None:
             path.write_bytes(data)
@@ -101,9 +108,17 @@ class Browser:
 
     @contextmanager
     def open(
-        self, url: str, *, width: int = 1200, height: int = 800, dark: bool = False, files: Path | None = None
+        self,
+        url: str,
+        *,
+        width: int = 1200,
+        height: int = 800,
+        dark: bool = False,
+        files: Path | None = None,
+        first: str = "",
     ) -> Iterator[Page]:
-        page = Page(self.port, url, width=width, height=height, dark=dark, files=files)
+        """``files`` is the folder for what the page saves, ``first`` a script that runs before its own."""
+        page = Page(self.port, url, width=width, height=height, dark=dark, files=files, first=first)
         try:
             yield page
         finally:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import MISSING, Browser, browser
+from browser import MISSING, Browser
 from fake_result import fake_result, with_joints
 
 import directrix as dx
@@ -88,6 +88,7 @@ def test_it_plays_colours_and_obeys(chromium: Browser, tmp_path: Path, pictures:
         assert (ink(page.picture()) != with_marks).any()
         page.press("m")
         page.choose("deformation", "2")
+        page.settle()
         moved = page.run("[...runs[0].r_]")
         r = result.mesh.r0 + 2.0 * (result.r[39] - result.mesh.r0)
         assert np.allclose(np.array(moved).reshape(-1, 3), r, atol=1e-4)
@@ -152,7 +153,7 @@ def test_odd_runs(case: str, chromium: Browser, tmp_path: Path, pictures: Path) 
         if case == "a mode":
             assert page.run("page.mode")
             page.choose("deformation", "0")
-            page.picture()
+            page.settle()
             assert np.allclose(page.run("[...runs[0].r_]"), result.r[-1].ravel(), atol=1e-5)
         elif case == "one instant":
             assert page.run("part('play').disabled")
@@ -161,12 +162,15 @@ def test_odd_runs(case: str, chromium: Browser, tmp_path: Path, pictures: Path) 
         assert page.errors == []
 
 
-def test_without_webgl_the_energies_are_left(tmp_path: Path) -> None:
+def test_without_webgl_the_energies_are_left(chromium: Browser, tmp_path: Path) -> None:
     page_file = fake_result().view(tmp_path / "run.html")
-    with (
-        browser(tmp_path / "profile", "--disable-3d-apis") as plain,
-        plain.open(f"file://{page_file}#frame=10") as page,
-    ):
+    bare = """
+        const own = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind) { return kind === "2d" ? own.call(this, kind) : null; };
+    """
+    with chromium.open(f"file://{page_file}#frame=10", width=640, height=480, first=bare) as page:
         assert not page.run("part('refusal').hidden")
         assert page.run("part('clock').textContent") == "t = 2"
+        assert "2.5" in page.run("part('legend').textContent")
+        page.press("s")
         assert page.errors == []
