@@ -166,7 +166,9 @@ def test_without_webgl_the_energies_are_left(chromium: Browser, tmp_path: Path) 
     page_file = fake_result().view(tmp_path / "run.html")
     bare = """
         const own = HTMLCanvasElement.prototype.getContext;
-        HTMLCanvasElement.prototype.getContext = function (kind) { return kind === "2d" ? own.call(this, kind) : null; };
+        HTMLCanvasElement.prototype.getContext = function (kind) {
+            return kind === "2d" ? own.call(this, kind) : null;
+        };
     """
     with chromium.open(f"file://{page_file}#frame=10", width=640, height=480, first=bare) as page:
         assert not page.run("part('refusal').hidden")
