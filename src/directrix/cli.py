@@ -276,7 +276,8 @@ def view(
     """Write one HTML page that shows the motion, of several results over one another; needs no network."""
     from directrix.viewer import view as write
 
-    results, paths = zip(*(_load(file) for file in result_files), strict=True)
+    loaded = [_load(file) for file in result_files]
+    results, paths = [result for result, _ in loaded], [path for _, path in loaded]
     names = label or ([_short(path) for path in paths] if len(paths) > 1 else None)
     page = Path(
         write(results, out or paths[0].with_name("view.html" if len(paths) == 1 else "views.html"), labels=names)
