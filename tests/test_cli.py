@@ -25,7 +25,9 @@ from directrix.schema import Case, load_case
 from directrix.storage import load
 
 HERE = Path(__file__).parent
-COMMANDS = {"export", "verify", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor"}
+COMMANDS = {
+    "export", "verify", "movie", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor",
+}  # fmt: skip
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 SAFE = "-m", "directrix"
 

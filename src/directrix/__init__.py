@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from directrix.statics import solve_static
     from directrix.storage import load
     from directrix.tapered import taper
+    from directrix.viewer import view
 
 __version__ = "0.1.0"
 
@@ -98,6 +99,7 @@ __all__ = [
     "table",
     "taper",
     "twisted",
+    "view",
 ]
 
 # Looked up when used: the command line answers --help without loading a compiler.
@@ -134,6 +136,7 @@ _HOME = {
     "statics": ("solve_static",),
     "storage": ("load",),
     "tapered": ("taper",),
+    "viewer": ("view",),
 }
 
 

@@ -181,6 +181,12 @@ class DynamicBooks:
         """Since the start: work, the part of prescribed motion, what was dissipated; by source the last, and work."""
         return self.work, self.prescribed, self.dissipated, *self.taken.tolist(), *self.done.tolist()
 
+    def error(self, energy: float) -> float:
+        """How far the ledger is from closing at this energy, relative to the largest energy or the work so far."""
+        scale = max(self.energy, abs(energy), abs(self.work), self.least)
+        off = abs(energy - float(self.start[0] + self.start[1]) - self.work + self.dissipated)
+        return off / scale if scale > 0.0 else 0.0
+
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
         self._settle()

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -141,8 +141,12 @@ def step_count(t0: float, t_end: float, dt: float) -> int:
     return steps
 
 
-def reporting(progress: Callable[[float, str], Any] | None) -> Callable[[float, str], None]:
+def reporting(progress: Callable[[float, str], Any] | Literal[True] | None) -> Callable[[float, str], None]:
     """``progress`` as a run calls it: what it raises becomes a ModelError, with which the run ends and is kept."""
+    if progress is True:
+        from directrix.notebook import shower  # what shows it is not needed by who does not look
+
+        progress = shower()
 
     def report(done: float, line: str) -> None:
         try:

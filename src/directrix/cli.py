@@ -160,11 +160,13 @@ def run(
         int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
     ] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Open a page that shows the motion while it runs.")] = False,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="--watch: port of this machine; 0 takes a free one.")] = 0,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
     from rich.console import Console
 
-    from directrix.console import live, show
+    from directrix.console import live, opened, show
     from directrix.runs import RunFolder, can_draw, exit_code
     from directrix.schema import load_case
 
@@ -173,12 +175,18 @@ def run(
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
     console = Console(quiet=quiet, highlight=False)
 
-    def solve(case: Case, heading: str) -> Result:
+    def solve(case: Case, heading: str, watched: bool = False) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
-        with live(console) as progress:
-            return case.run(progress, threads)
+        if not watched:
+            with live(console) as progress:
+                return case.run(progress, threads)
+        with opened(port) as page, live(console) as progress:
+            page.then = progress
+            result = case.run(page, threads)
+            page.finish(result)
+            return result
 
-    result = solve(folder.recording(case), f"{case.title}  ({case_file})")
+    result = solve(folder.recording(case), f"{case.title}  ({case_file})", watch)
     # kept before anything is shown: what was computed is not lost to a fault further on
     written = [*folder.write(case, result), *(folder.path / one.file for one in case.records)]
     show(console, result)
@@ -289,12 +297,41 @@ def export(
 @app.command()
 @_guarded
 def view(
-    result_file: ResultFile,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Where to write; default beside the result.")] = None,
+    result_files: Annotated[
+        list[Path],
+        typer.Argument(metavar="RESULT...", help="Result files, or folders of runs.", show_default=False),
+    ],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Where to write; default beside the first.")] = None,
+    label: Annotated[list[str] | None, typer.Option(help="What to call a result; once for each.")] = None,
 ) -> None:
-    """Write one HTML page that shows the motion: orbit, time slider, directors; needs no network."""
+    """Write one HTML page that shows the motion, of several results over one another; needs no network."""
+    from directrix.viewer import view as write
+
+    loaded = [_load(file) for file in result_files]
+    results, paths = [result for result, _ in loaded], [path for _, path in loaded]
+    names = label or ([_short(path) for path in paths] if len(paths) > 1 else None)
+    page = Path(
+        write(results, out or paths[0].with_name("view.html" if len(paths) == 1 else "views.html"), labels=names)
+    )
+    print(f"wrote {page}, {page.stat().st_size / 1e6:.2g} MB")
+
+
+@app.command()
+@_guarded
+def movie(
+    result_file: ResultFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="A .gif or .mp4 file; default beside the result.")
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(help="How long it lasts; default the time of the run, 4 to 12.")
+    ] = None,
+    fps: Annotated[int, typer.Option(help="Pictures per second.")] = 25,
+    field: Annotated[str | None, typer.Option(help="Colour by this, e.g. bending; see docs/viewer.md.")] = None,
+) -> None:
+    """Write the motion as an animation, GIF or MP4."""
     result, path = _load(result_file)
-    print(f"wrote {result.view(out or path.with_name('view.html'))}")
+    print(f"wrote {result.movie(out or path.with_name('movie.gif'), seconds=seconds, fps=fps, field=field)}")
 
 
 @app.command()
@@ -408,6 +445,11 @@ def _load(path: Path) -> tuple[Result, Path]:
     if not file.is_file():
         raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))
     return load(file), file
+
+
+def _short(path: Path) -> str:
+    """What a file of results is called: by its folder, if it is that of a run."""
+    return path.parent.name.removesuffix(".run") if path.parent.name.endswith(".run") else path.stem
 
 
 def _copy(texts: dict[str, str], folder: Path) -> None:

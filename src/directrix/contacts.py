@@ -207,7 +207,10 @@ def force_per_length(stiffness: float, penetration: Array, width: Array | float)
 def round_radius(section: Section) -> float | None:
     """Radius of a circle or tube, None for any other section."""
     size = np.linalg.norm(section.outline, axis=1)
-    return float(size.max()) if len(size) > 8 and np.ptp(size) <= 1e-9 * size.max() else None
+    outer = size >= (1.0 - 1e-9) * size.max(initial=0.0)
+    ring, hole = size[: outer.sum()], size[outer.sum() :]
+    whole = len(ring) > 8 and bool(outer[: len(ring)].all()) and (len(hole) in (0, len(ring)))
+    return float(ring[0]) if whole and np.ptp(hole if hole.size else ring) <= 1e-9 * ring[0] else None
 
 
 def named_rods(value: Any, what: str) -> tuple[str, ...] | None:

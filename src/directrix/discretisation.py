@@ -34,6 +34,7 @@ from directrix.groups import (
 )
 from directrix.joint_groups import joint_ends, joint_groups, unused
 from directrix.loads import LoadTerm, Prescribed, driven_joints, drives_as_loads, loads_of, supports_of
+from directrix.marks import marks_of
 from directrix.model import Gravity, Model, RigidVelocity, Rod, Vec
 from directrix.numbering import Pattern, pattern_of
 from directrix.result import Mesh, RodMesh
@@ -156,11 +157,19 @@ class Discretisation:
 
     def section_force(self, strain: Array) -> Array:
         """Section forces (…, stations, 6) from strains (…, stations, 6) that are stressed."""
-        parts = [
-            section.forces(strain[..., r.first_station : r.first_station + len(r.stations), :])
-            for r, section in zip(self.mesh.rods, self.sections, strict=True)
-        ]
+        parts = [section.forces(part) for section, part in self._by_section(strain)]
         return np.concatenate([strain[..., :0, :], *parts], axis=-2)
+
+    def stored_density(self, strain: Array) -> Array:
+        """Stored energy per unit length (…, stations) at strains (…, stations, 6) that are stressed."""
+        parts = [section.stored(part) for section, part in self._by_section(strain)]
+        return np.concatenate([strain[..., :0, 0], *parts], axis=-1)
+
+    def _by_section(self, strain: Array) -> list[tuple[Stressed, Array]]:
+        return [
+            (section, strain[..., rod.first_station : rod.first_station + len(rod.stations), :])
+            for rod, section in zip(self.mesh.rods, self.sections, strict=True)
+        ]
 
     def link_states(self, r: Array, R: Array) -> dict[str, Array]:
         """Length and elastic tension (nt, 2) of every link, from positions (nt, n, 3) and rotations (nt, n, 3, 3)."""
@@ -281,7 +290,8 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
     lengths = {name: (nodes, share[:, 0]) for name, (nodes, share, _, _) in spread.items()}
     groups = tuple(sorted((*groups, *obstacle_groups(model, scheme, lengths, ends)), key=lambda g: not g.inside))
     joints = tuple(joint.name for joint in model.joints)
-    mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0))
+    marks = marks_of(model, names, tuple(rods))
+    mesh = Mesh(tuple(rods), names, r0, tuple(notes), joints, *joint_ends(model.joints, names, r0), marks=marks)
     n = len(positions)
     fixed, prescribed = supports_of(model, names, n, dynamic)
     idle = [names[name] for name in idle_rotations(model, scheme.static)]

@@ -35,6 +35,18 @@ class Stage:
         """Draw (k, 3) points."""
         self.ax.plot(*(points[:, i] for i in self.shown), **style)
 
+    def coloured(self, points: Array, colours: Array, lw: float) -> None:
+        """Draw (k, 3) points with a colour (k − 1, 4) for every piece."""
+        from matplotlib.collections import LineCollection
+
+        pieces = np.stack([points[:-1], points[1:]], axis=1)[..., list(self.shown)]
+        if len(self.shown) == 2:
+            self.ax.add_collection(LineCollection(list(pieces), colors=list(colours), linewidths=lw, capstyle="round"))
+            return
+        from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+        self.ax.add_collection(Line3DCollection(list(pieces), colors=list(colours), linewidths=lw, capstyle="round"))
+
     def finish(self, title: str, zoom: float = 0.95) -> None:
         """Names of the axes, and one scale for all of them."""
         letters = ["xyz"[i] for i in self.shown]
@@ -57,25 +69,31 @@ def stage(result: Result, ax: Any) -> Stage:
     """The axes to draw a shape in; refuses a flat axes for a motion in space."""
     flat = plane(result)
     if ax is None:
-        figure: Any = pyplot().figure(figsize=(6.4, 5.8), layout="constrained")
-        if flat is not None:
-            ax = figure.add_subplot()
-            dress(ax)
-        else:
-            from matplotlib.ticker import MaxNLocator
-
-            with pyplot().rc_context({"grid.color": "#d5dade", "grid.linewidth": 0.7}):
-                ax = figure.add_subplot(projection="3d")
-            for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-                axis.pane.set_facecolor("white")
-                axis.pane.set_edgecolor(GHOST)
-                axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-        return Stage(ax, flat or (0, 1, 2))
+        return stage_in(pyplot().figure(figsize=(6.4, 5.8), layout="constrained"), result)
     if _axes(ax).name == "3d":
         return Stage(ax, (0, 1, 2))
     if flat is None:
         raise ModelError("the motion leaves every plane, the axes given is flat", 'give add_subplot(projection="3d")')
     return Stage(ax, flat)
+
+
+def stage_in(figure: Any, result: Result) -> Stage:
+    """A new axes of a figure, flat for a plane motion."""
+    flat = plane(result)
+    if flat is not None:
+        ax = figure.add_subplot()
+        dress(ax)
+        return Stage(ax, flat)
+    from matplotlib import rc_context
+    from matplotlib.ticker import MaxNLocator
+
+    with rc_context({"grid.color": "#d5dade", "grid.linewidth": 0.7}):
+        ax = figure.add_subplot(projection="3d")
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.pane.set_facecolor("white")
+        axis.pane.set_edgecolor(GHOST)
+        axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    return Stage(ax, (0, 1, 2))
 
 
 def _axes(ax: Any) -> Any:

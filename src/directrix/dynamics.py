@@ -19,10 +19,11 @@ from directrix.joint_checks import refuse_joints
 from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
-from directrix.recorder import Progress, Recorder
+from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status
 from directrix.scheme import Rates
 from directrix.state import has_history, initial_state, place_supports
+from directrix.telling import line
 
 __all__ = ["refuse_damping", "simulate"]
 
@@ -41,7 +42,7 @@ def simulate(
     record: Sequence[points.Recorder] = (),
     threads: int = 1,
     linear: Petsc | str | None = None,
-    progress: Progress | None = None,
+    progress: Progress | Literal[True] | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
     """Integrate the motion from t = 0 (or from ``start``) to ``t_end`` in equal steps.
@@ -74,6 +75,7 @@ def simulate(
         "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
+        True shows a line, in a notebook a bar.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 
@@ -104,7 +106,7 @@ def simulate(
     if ends and not has_history(start, scheme):
         newton.accelerate(x, external)
     acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic", record)
+    recorder = Recorder(disc, "dynamic", record, feed_of(progress))
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books, dt)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
@@ -135,7 +137,7 @@ def simulate(
                         books = fast.books(x)
                         recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
                         saved = k
-                    report(k / steps, _line(before, fast.energy, taken[-1]))
+                    report(k / steps, _line(before, recorder, ledger, fast.energy))
                     continue
                 books = fast.books(x)
                 fast.give(x)
@@ -167,7 +169,7 @@ def simulate(
             else:  # for a run that ends on the way: a step that fails leaves x somewhere
                 unsaved = newton.positions(x), x.copy()
             before = t
-            report(k / steps, _line(t, float(books.totals[0] + books.totals[1]), outcome.iterations))
+            report(k / steps, _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken
             taken = fast.settle(ledger)
@@ -195,8 +197,8 @@ def simulate(
     return result
 
 
-def _line(t: float, energy: float, iterations: int) -> str:
-    return f"t = {t:.6g}  H = {energy:.9g}  {iterations} iterations"
+def _line(t: float, recorder: Recorder, ledger: DynamicBooks, energy: float) -> str:
+    return line("t =", t, recorder.iterations, energy=energy, error=ledger.error(energy))
 
 
 def _refuse(formulation: object, integrator: object, load_rule: str) -> None:

@@ -134,4 +134,7 @@ class Modes:
 
     def view(self, path: str | PathLike[str], mode: int = 1, amplitude: float | None = None) -> str:
         """Write one mode as a self-contained HTML animation; returns its path. See :meth:`motion`."""
-        return self.motion(mode, amplitude).view(path)
+        from directrix.viewer import write_html
+
+        r, R, *_ = self.state
+        return write_html(self.motion(mode, amplitude), path, base=(r, R))

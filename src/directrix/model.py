@@ -639,6 +639,11 @@ class Model:
 
         return *refuse(examine_model(self)), *said
 
+    def _repr_html_(self) -> str:
+        from directrix.notebook import model_html
+
+        return model_html(self)
+
     def notes(self) -> tuple[str, ...]:
         """What a reader of the model may want to know: assumptions of sections, ends that touch and are not joined."""
         said = [*self.imported, *(a for rod in self.rods for a in rod.section.assumptions)]

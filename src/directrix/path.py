@@ -20,6 +20,7 @@ from directrix.newton import Newton
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status, TurningPoint
 from directrix.rotations import log
+from directrix.telling import line
 from directrix.watch import Crossing, Settled, Watch
 
 Array = NDArray[np.float64]
@@ -227,7 +228,8 @@ class Walk:
                 if isinstance(trial, Status):
                     return trial
                 reach = gauge.after(trial.reach, trial.iterations)
-            progress(gauge.share(self.steps), f"load factor {self.point.factor:.6g}  {trial.iterations} iterations")
+            told = line("load factor", self.point.factor, self.recorder.iterations, cuts=self.cuts)
+            progress(gauge.share(self.steps), told)
             if self._asked():
                 return self._missed() or Status("stopped", f"until is true{self._here()}")
         return Status("done", f"reached {gauge.aim}{self._here()}")

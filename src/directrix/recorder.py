@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +21,36 @@ from directrix.result import Energy, Momentum, Result, Status
 
 Array = NDArray[np.float64]
 
-__all__ = ["Progress", "Recorder"]
+__all__ = ["Feed", "Progress", "Recorder", "feed_of"]
 
 Progress = Callable[[float, str], None]
+
+
+class Feed(Protocol):
+    """A ``progress`` that is shown the saved instants as well, while a run goes on."""
+
+    def keep(self, disc: Discretisation, kind: Literal["static", "dynamic"], instant: Mapping[str, Array]) -> None:
+        """``instant`` has t, r (n, 3), R (n, 3, 3), v (n, 3), strain (stations, 6), totals and work. They are the
+        run's own: to be read now, not to be written."""
+        ...
+
+
+def feed_of(progress: object) -> Feed | None:
+    """``progress`` itself if it wants to see instants."""
+    return cast("Feed", progress) if hasattr(progress, "keep") else None
 
 
 class Recorder:
     """Grows one row per saved instant; arrays are copied, so the solver may reuse its own."""
 
     def __init__(
-        self, disc: Discretisation, kind: Literal["static", "dynamic"], record: Sequence[points.Recorder] = ()
+        self,
+        disc: Discretisation,
+        kind: Literal["static", "dynamic"],
+        record: Sequence[points.Recorder] = (),
+        feed: Feed | None = None,
     ) -> None:
-        self.disc = disc
+        self.disc, self.feed = disc, feed
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[tuple[Array, ...]] = []
@@ -46,6 +64,10 @@ class Recorder:
         what was dissipated and the work.
         """
         n = len(r)
+        if self.feed is not None:
+            turns = x[:n, 3:12].reshape(n, 3, 3).transpose(0, 2, 1)
+            instant = {"t": np.array(t), "r": r, "R": turns, "v": x[:n, 24:27], "strain": books.strains}
+            self.feed.keep(self.disc, self.kind, {**instant, "totals": books.totals, "work": np.array(ledger[0])})
         rotations = [x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
         scalars = np.array([t, factor, *ledger])
         self.rows.append(
@@ -63,6 +85,7 @@ class Recorder:
         scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
+        stressed = self._stressed(strain, scalars)
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
@@ -84,7 +107,8 @@ class Recorder:
             Rdot=rates,
             reaction=reaction,
             strain=strain,
-            force=self.disc.section_force(self._stressed(strain, scalars)),
+            force=self.disc.section_force(stressed),
+            density=self.disc.stored_density(stressed),
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from directrix.checks import shown
 from directrix.errors import ModelError
+from directrix.marks import Mark
 
 if TYPE_CHECKING:
     import pandas
@@ -64,7 +65,8 @@ class Mesh:
     ``node_names`` maps a name to a node index, ``r0`` is (n, 3) reference positions,
     ``notes`` are sentences about what meshing changed. ``joints`` are the joints' names, ``joint_nodes`` (joints, 2)
     the nodes of their base and of what moves, −1 for the ground, and ``joint_arms`` (joints, 2, 3) the way from these
-    nodes to the joint in the reference; on the ground its place.
+    nodes to the joint in the reference; on the ground its place. ``marks`` are what pictures show beside the
+    rods: supports, loads, springs and masses.
     """
 
     rods: tuple[RodMesh, ...]
@@ -74,6 +76,7 @@ class Mesh:
     joints: tuple[str, ...] = ()
     joint_nodes: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     joint_arms: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    marks: tuple[Mark, ...] = ()
 
     @cached_property
     def loose(self) -> NDArray[np.int64]:
@@ -284,6 +287,7 @@ class Result:
         from which every director velocity follows); zero in statics
     reaction : (nt, n, 6) support forces and moments on the nodes
     strain, force : (nt, stations, 6)
+    density : (nt, stations) stored energy per unit of reference length; (0, 0) where nobody worked it out
     energy, momentum : histories
     iterations : (steps,) Newton iterations of every step taken
     status : how it ended
@@ -316,6 +320,7 @@ class Result:
     status: Status
     audit: Audit
     info: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    density: Array = field(default_factory=lambda: np.zeros((0, 0)))
     history: Array = field(default_factory=lambda: np.zeros((0, 0, 12)))
     joints: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))
     links: Mapping[str, Array] = field(default_factory=dict[str, Array])
@@ -393,10 +398,20 @@ class Result:
         return Plots(self)
 
     def view(self, path: str | PathLike[str]) -> str:
-        """Write one self-contained HTML page (orbit, time slider, directors); returns its path."""
+        """Write one self-contained HTML page (orbit, playback, fields in colour); returns its path.
+
+        Several results on one page: :func:`directrix.view`.
+        """
         from directrix.viewer import write_html
 
         return write_html(self, path)
+
+    def movie(self, path: str | PathLike[str], **options: Any) -> str:
+        """Write the motion as a .gif or .mp4 file; returns its path. ``options``: ``seconds``, ``fps``, ``width``,
+        ``height``, ``field``, see :func:`directrix.movie.write_movie`; needs matplotlib."""
+        from directrix.movie import write_movie
+
+        return write_movie(self, path, **options)
 
     def save(self, path: str | PathLike[str]) -> str:
         """Write one HDF5 file that ParaView opens (VTKHDF) and ``dx.load`` reads; returns its path."""
@@ -453,6 +468,11 @@ class Result:
         from directrix.exports import to_gltf
 
         return to_gltf(self, path, frames=frames, duration=duration, up=up)
+
+    def _repr_html_(self) -> str:
+        from directrix.notebook import result_html
+
+        return result_html(self)
 
     def __str__(self) -> str:
         from directrix.audit import report

@@ -70,7 +70,8 @@ class Section:
         Of the rows of ``stiffness``: "shear-axial" (shear 1, shear 2, axial, bending 1, bending 2, torsion) or
         "axial-first" (axial, shear 1, shear 2, torsion, bending 1, bending 2). Kept as "shear-axial".
     outline
-        (k, 2) polygon of the section in (d1, d2), for pictures.
+        (k, 2) polygon of the section in (d1, d2), for pictures. Around a hole it goes in and out again on one line: the
+        outer ring and back to its first point, then the inner ring the other way round, closed as well.
     damping
         (6, 6) viscous matrix C_v of Kelvin–Voigt damping, S += C_v dε/dt, symmetric and not negative; a number η
         stands for η times the stiffness (a relaxation time). In the order of ``stiffness``. Used in dynamics.
@@ -239,6 +240,12 @@ class Section:
 
         return section_of(section, axis=axis, E=E, nu=nu, rho=rho)
 
+    def stored(self, strain: Array) -> Array:
+        """Stored energy per unit length (…,) at strains (…, 6)."""
+        if self.law is None:
+            return 0.5 * np.einsum("...i,ij,...j->...", strain, self.stiffness, strain)
+        return np.broadcast_to(self.law.energy([strain[..., k] for k in range(6)]), strain.shape[:-1]).copy()
+
     @classmethod
     def hyperelastic(
         cls, energy: Energy, *, A_rho: float = 0.0, I_rho: ArrayLike | None = None, metric: ArrayLike | None = None,
@@ -348,13 +355,14 @@ class Section:
         inertia = 0.25 * np.pi * (R**4 - r**4)
         m2 = (r / R) ** 2
         angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+        ring = np.stack([np.cos(angle), np.sin(angle)], -1)[[*range(24), 0]]
 
         def factor(nu: float) -> float:
             return 6.0 * (1.0 + nu) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
 
         return cls._shape(
             "tube", np.pi * (R**2 - r**2), inertia, inertia, 2.0 * inertia, "½π(R⁴−r⁴)", factor, "Cowper 1966",
-            R * np.stack([np.cos(angle), np.sin(angle)], -1), E, nu, G, rho, shear_factor, torsion_constant, damping,
+            np.concatenate([R * ring, r * ring[::-1]]), E, nu, G, rho, shear_factor, torsion_constant, damping,
         )  # fmt: skip
 
     @classmethod
@@ -421,9 +429,11 @@ class Section:
 
 
 class Stressed(Protocol):
-    """Gives section forces from strains (…, stations, 6) at some stations."""
+    """Gives section forces and stored energy from strains (…, stations, 6) at some stations."""
 
     def forces(self, strain: Array) -> Array: ...
+
+    def stored(self, strain: Array) -> Array: ...
 
 
 def _place(value: ArrayLike, what: str) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +30,11 @@ from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
-from directrix.recorder import Progress, Recorder
+from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status, TurningPoint, turn_length
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
+from directrix.telling import line
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -56,7 +58,7 @@ def solve_static(
     rotation: str = "exponential",
     stability: bool | None = None,
     record: Sequence[points.Recorder] = (),
-    progress: Progress | None = None,
+    progress: Progress | Literal[True] | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
     """Find equilibria while the load factor goes from 0 to 1 in equal parts, or along the path of a ``control``.
@@ -98,6 +100,7 @@ def solve_static(
         "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
+        True shows a line, in a notebook a bar.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 
@@ -133,7 +136,7 @@ def solve_static(
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
-    recorder = Recorder(disc, "static", record)
+    recorder = Recorder(disc, "static", record, feed_of(progress))
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
@@ -213,7 +216,7 @@ class _LoadSteps:
             part = round(factor * steps)
             if factor == goal and (part % self.save_every == 0 or part == steps):
                 self._keep()
-            progress(factor, f"load factor {factor:.6g}  {outcome.iterations} iterations")
+            progress(factor, line("load factor", factor, self.recorder.iterations, cuts=self.cuts))
         cut = f", {self.cuts} of them cut" if self.cuts else ""
         return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
 

@@ -103,6 +103,10 @@ class AtStations:
         """Section forces (…, stations, 6) from strains (…, stations, 6)."""
         return np.einsum("qij,...qj->...qi", self.stiffness, strain)
 
+    def stored(self, strain: Array) -> Array:
+        """Stored energy per unit length (…, stations) at strains (…, stations, 6)."""
+        return 0.5 * np.einsum("...qi,...qi->...q", strain, self.forces(strain))
+
 
 def taper(sections: Sequence[tuple[float, Section]] | Callable[[float], Section], *, stations: int = 21) -> Tapered:
     """A section that varies along a rod.

@@ -22,5 +22,7 @@ def refuse_strategies(formulation: object, progress: object) -> None:
     """Raise ModelError for arguments of a solver that cannot be what they should."""
     if formulation is not None and not isinstance(formulation, Directors | SimoVuQuoc | CrisfieldJelenic):
         raise ModelError(f"{shown(formulation)} is not a formulation", "use dx.Directors()", "formulation=")
-    if progress is not None and not callable(progress):
-        raise ModelError(f"{shown(progress)} cannot be called", "give a function of a fraction and a text", "progress=")
+    if progress is not None and progress is not True and not callable(progress):
+        raise ModelError(
+            f"{shown(progress)} cannot be called", "give a function of a fraction and a text, or True", "progress="
+        )

@@ -31,6 +31,7 @@ from directrix import checks
 from directrix.audit import Audit, Entry
 from directrix.critical import CriticalPoint, PathStability
 from directrix.errors import InputError
+from directrix.marks import mark_from
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
 from directrix.storage.fields import cell_data, field_data, lines, one_after_the_other, point_data, points_of
 
@@ -174,11 +175,12 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         "node_names": {name: int(k) for name, k in mesh.node_names.items()},
         "mesh_notes": mesh.notes,
         "joint_names": mesh.joints,
+        "marks": [asdict(mark) for mark in mesh.marks],
         "turning_points": [asdict(point) for point in result.turning_points],
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in (*HISTORIES, "history", "joints"):
+    for name in (*HISTORIES, "history", "joints", "density"):
         _put(root, name, getattr(result, name))
     for key, named in (
         ("links", result.links),
@@ -234,12 +236,21 @@ def _read_result(root: Any) -> Result:
     return Result(
         kind=text("kind"),
         name=text("name"),
-        mesh=Mesh(tuple(RodMesh(*rod) for rod in rods), names, group["r0"][()], notes, joints, *ends),
+        mesh=Mesh(
+            tuple(RodMesh(*rod) for rod in rods),
+            names,
+            group["r0"][()],
+            notes,
+            joints,
+            *ends,
+            marks=tuple(mark_from(m) for m in text("marks")) if "marks" in root else (),
+        ),
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
         contacts=_read_named(root, "contacts"),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
+        density=root["density"][()] if "density" in root else np.zeros((0, 0)),
         energy=Energy(
             **{name: data[()] for name, data in root["energy"].items()},
             by_source=_read_named(root, "dissipated_by_source"),

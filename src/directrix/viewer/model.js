@@ -1,19 +1,54 @@
 "use strict";
-// The run as arrays, and the kinematics of a picture: what lies between nodes and between saved instants.
+// The runs as arrays, and the kinematics of a picture: what lies between nodes and between saved instants.
 
 function floats(code) {
   const bytes = Uint8Array.from(atob(code), (letter) => letter.charCodeAt(0));
   return new Float32Array(bytes.buffer);
 }
 
-function readRun(text) {
-  const run = JSON.parse(text);
+function readPage(text) {
+  const page = JSON.parse(text);
+  page.runs.forEach(readRun);
+  return page;
+}
+
+function readRun(run) {
   for (const part of [run, ...run.rods]) {
     for (const key of Object.keys(part.arrays)) part[key] = floats(part.arrays[key]);
     delete part.arrays;
   }
+  run.last = run.frames - 1;
   run.total = run.kinetic.map((kinetic, k) => kinetic + run.stored[k]);
+  run.rising = run.t.every((t, k) => k === 0 || t > run.t[k - 1]); // along an arc the load factor may turn back
   return run;
+}
+
+// The common clock: ticks that the slider counts, the time at a place u between them, and the frame of each run there.
+// A run that ended earlier stays at its end. Where load factors turn back the saved instants are counted instead.
+function makeClock(runs) {
+  const rising = runs.every((run) => run.rising), longest = runs.reduce((a, b) => (b.last > a.last ? b : a));
+  const all = rising ? Float64Array.from(runs.flatMap((run) => [...run.t])).sort() : longest.t;
+  const near = 1e-6 * Math.abs(all[all.length - 1] - all[0]);
+  const ticks = rising ? all.filter((t, k) => k === 0 || k === all.length - 1 || t > all[k - 1] + near) : all;
+  const last = ticks.length - 1;
+  const time = (u) => {
+    const k = Math.min(Math.floor(u), last), next = Math.min(k + 1, last);
+    return ticks[k] + (u - k) * (ticks[next] - ticks[k]);
+  };
+  const frame = (run, u) => {
+    if (!rising) return last === 0 ? run.last : u / last * run.last;
+    if (runs.length === 1 && run.last === last) return u;
+    const t = time(u);
+    let low = 0, high = run.last;
+    if (t >= run.t[high]) return high;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (run.t[middle] <= t) low = middle;
+      else high = middle;
+    }
+    return high === low ? low : low + Math.max(0, (t - run.t[low]) / (run.t[high] - run.t[low]));
+  };
+  return { rising, ticks, last, span: ticks[last] - ticks[0], time, frame };
 }
 
 // Lagrange polynomials of equispaced nodes, as the elements have them; ξ in [−1, 1].
@@ -26,10 +61,11 @@ function lagrange(order, xi) {
   });
 }
 
+const elementsOf = (run) => run.rods.reduce((sum, rod) => sum + (rod.nodes.length - 1) / rod.order, 0);
+
 // Knots are the nodes as each rod sees them (a corner node is one node and two knots); samples lie on the
 // rods' axes, finer than the nodes, and know their knots with weights and their two neighbouring stations.
-function makeSkeleton(run) {
-  const elements = run.rods.reduce((sum, rod) => sum + (rod.nodes.length - 1) / rod.order, 0);
+function makeSkeleton(run, elements = elementsOf(run)) {
   const finest = Math.max(1, Math.floor(5000 / elements));
   const knotNode = [], knotDirectors = [], rods = [], samples = [];
   run.rods.forEach((rod, index) => {
@@ -70,6 +106,22 @@ function atFrame(array, width, u, out) {
   return out;
 }
 
+// Displacements and turns from a base, multiplied: r += (k − 1)(r − base), and the two columns of each rotation likewise.
+function exaggerate(r, turn, base, factor) {
+  for (let i = 0; i < r.length; i++) r[i] = base.r[i] + factor * (r[i] - base.r[i]);
+  for (let i = 0; i < turn.length; i += 6) {
+    for (let m = 0; m < 6; m++) turn[i + m] = base.turn[i + m] + factor * (turn[i + m] - base.turn[i + m]);
+    const one = turn.subarray(i, i + 3), other = turn.subarray(i + 3, i + 6), length = Math.hypot(...one) || 1;
+    for (let m = 0; m < 3; m++) one[m] /= length;
+    const along = one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
+    for (let m = 0; m < 3; m++) other[m] -= along * one[m];
+    const rest = Math.hypot(...other) || 1;
+    for (let m = 0; m < 3; m++) other[m] /= rest;
+  }
+}
+
+const unturned = (nodes) => Float32Array.from({ length: 6 * nodes }, (_, i) => (i % 6 === 0 || i % 6 === 4 ? 1 : 0));
+
 // Fills skeleton.knots and skeleton.poses with (r, d1, d2) from node positions (n, 3) and the first two
 // columns of the node rotations (n, 2, 3).
 function place(skeleton, r, turn) {
@@ -98,25 +150,35 @@ function place(skeleton, r, turn) {
   });
 }
 
+// A vector that a node carries along, from the two columns of its rotation.
+function carried(turn, node, [x, y, z]) {
+  const [a, b, c, d, e, f] = turn.subarray(6 * node, 6 * node + 6);
+  return [a * x + d * y + (b * f - c * e) * z, b * x + e * y + (c * d - a * f) * z, c * x + f * y + (a * e - b * d) * z];
+}
+
+const spot = (array, k, from = 0) => [array[from + 3 * k], array[from + 3 * k + 1], array[from + 3 * k + 2]];
+
 // Of every joint's base and of what it moves: the node and the point it carries to the joint; the ground has no node.
 function jointEnds(run, r, turn) {
   return run.joints.map((pair, j) => pair.map((node, end) => {
-    const [x, y, z] = run.arms.subarray(6 * j + 3 * end, 6 * j + 3 * end + 3);
-    if (node < 0) return { foot: null, tip: [x, y, z] };
-    const [a, b, c, d, e, f] = turn.subarray(6 * node, 6 * node + 6), foot = [...r.subarray(3 * node, 3 * node + 3)];
-    const turned = [a * x + d * y + (b * f - c * e) * z, b * x + e * y + (c * d - a * f) * z, c * x + f * y + (a * e - b * d) * z];
+    const arm = [...run.arms.subarray(6 * j + 3 * end, 6 * j + 3 * end + 3)];
+    if (node < 0) return { foot: null, tip: arm };
+    const foot = spot(r, node), turned = carried(turn, node, arm);
     return { foot, tip: foot.map((p, m) => p + turned[m]) };
   }));
 }
 
-// Box of everything that is ever shown; `own` is the model's reach about its own centre, wherever that goes.
-function extent(run) {
-  const pins = new Float32Array(run.joints.flatMap(([base], j) => (base < 0 ? [...run.arms.subarray(6 * j, 6 * j + 3)] : [])));
-  const all = box([run.r0, run.r, pins]), still = box([run.r0, pins]), width = 3 * run.nodes;
+// Box of everything that is ever shown; `own` is the models' reach about their own centre, wherever that goes.
+function extent(runs) {
+  const pins = runs.map((run) => new Float32Array(run.joints.flatMap(([base], j) => (base < 0 ? [...run.arms.subarray(6 * j, 6 * j + 3)] : []))));
+  const references = runs.map((run) => run.r0), all = box([...references, ...runs.map((run) => run.r), ...pins]), still = box([...references, ...pins]);
   let own = 0;
-  for (let k = 0; k < run.frames; k++) {
-    const r = run.r.subarray(k * width, (k + 1) * width), c = centroid(r);
-    for (let i = 0; i < width; i += 3) own = Math.max(own, Math.hypot(r[i] - c[0], r[i + 1] - c[1], r[i + 2] - c[2]));
+  for (const run of runs) {
+    const width = 3 * run.nodes;
+    for (let k = 0; k < run.frames; k++) {
+      const r = run.r.subarray(k * width, (k + 1) * width), c = centroid(r);
+      for (let i = 0; i < width; i += 3) own = Math.max(own, Math.hypot(r[i] - c[0], r[i + 1] - c[1], r[i + 2] - c[2]));
+    }
   }
   return { ...all, reach: 0.5 * Math.hypot(...all.span) || 1, own: own || 1, size: Math.hypot(...still.span) || 1 };
 }

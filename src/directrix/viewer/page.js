@@ -1,88 +1,122 @@
-// The state of the page, and what of it is drawn in space.
+// The state of the page, its words, its clock and its colours.
 
-const run = readRun(document.getElementById("data").textContent);
-const skeleton = makeSkeleton(run), room = extent(run);
+const page = readPage(document.getElementById("data").textContent), runs = page.runs;
 const part = (id) => document.getElementById(id);
 const space = part("space"), overlay = part("overlay"), chart = part("energy"), slider = part("slider");
-const last = run.frames - 1, dynamic = run.kind === "dynamic", clock = dynamic ? "t" : "load factor";
+const dynamic = runs[0].kind === "dynamic", clockName = dynamic ? "t" : "load factor";
 const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-const NAMES_AT_MOST = 60, TRACES_AT_MOST = 24, DIRECTORS_AT_MOST = 300;
-const COMPONENTS = ["shear 1", "shear 2", "axial", "bending 1", "bending 2", "torsion"];
 const PALETTE = ["#4f87b8", "#d2601a", "#2b8a4b", "#a02c8c", "#b8860b", "#00808a", "#b3372e", "#6b7480"];
-const VIEWS = { iso: [-0.9, 0.42], x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, Math.PI / 2] };
+const SEQUENTIAL = {
+  light: ["#46327e", "#31688e", "#1f9e89", "#5ec962", "#d9b600"], dark: ["#4a6fb0", "#2aa0a4", "#45c474", "#b5de2b", "#fff06b"],
+};
+const dark = matchMedia("(prefers-color-scheme: dark)");
 
-const r = new Float32Array(3 * run.nodes), turn = new Float32Array(6 * run.nodes), values = new Float32Array(6 * run.stations);
-const paints = new Float32Array(3 * skeleton.count);
-const seen = { u: 0, playing: false, hold: 0, yaw: 0, pitch: 0, distance: 1, target: [0, 0, 0], ink: {} };
-const scene = makeScene(space, skeleton.count);
+const elements = runs.reduce((sum, run) => sum + elementsOf(run), 0);
+const skeletons = runs.map((run) => makeSkeleton(run, elements));
+const count = skeletons.reduce((sum, skeleton) => sum + skeleton.count, 0);
+const poses = new Float32Array(9 * count), paints = new Float32Array(3 * count);
+let start = 0;
+skeletons.forEach((skeleton, k) => { // all runs share one drawing, each has its own part of it
+  Object.assign(skeleton, { start, run: runs[k], poses: poses.subarray(9 * start, 9 * (start + skeleton.count)) });
+  Object.assign(skeleton, { paints: paints.subarray(3 * start, 3 * (start + skeleton.count)), values: new Float32Array(skeleton.count) });
+  start += skeleton.count;
+});
+for (const run of runs) {
+  Object.assign(run, { r_: new Float32Array(3 * run.nodes), turn_: new Float32Array(6 * run.nodes), buffer: new Float32Array(6 * Math.max(run.nodes, run.stations)) });
+  run.base = run.base_r ? { r: run.base_r, turn: run.base_turn } : { r: run.r0, turn: unturned(run.nodes) };
+  run.shown = true;
+}
+
+let room = extent(runs), clock = makeClock(runs), pace = 1;
+const seen = { u: 0, playing: false, hold: 0, yaw: 0, pitch: 0, distance: 1, target: [0, 0, 0], ink: {}, newest: false };
+const scene = makeScene(space, count);
 let due = false, before = 0;
 
 // ---- numbers and words
 
 const brief = (x) => (x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(3) : String(+x.toPrecision(5)));
 const colourOf = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255);
+const cssOf = (colour) => `rgb(${colour.map((c) => Math.round(255 * c)).join()})`;
 const checked = (id) => part(id).checked;
-const option = (select, value, text) => select.add(new Option(text, value));
+const option = (select, value, text) => select.append(new Option(text, value));
+const made = (tag, text, name = "") => Object.assign(document.createElement(tag), { textContent: text, className: name });
 
 function readInk() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["paper", "ink", "soft", "line", "accent", "rod", "ghost", "trace", "middle", "kinetic", "stored", "x", "y", "z"]) {
+  for (const name of ["paper", "ink", "soft", "line", "accent", "rod", "ghost", "trace", "middle", "kinetic", "stored", "x", "y", "z", "load", "support"]) {
     seen.ink[name] = style.getPropertyValue("--" + name).trim();
   }
   for (const [name, text] of Object.entries(seen.ink)) seen.ink[name + "3"] = colourOf(text);
-  const { z, middle, x } = seen.ink;
-  part("bar").style.background = `linear-gradient(to right, ${z}, ${middle}, ${x})`;
+  seen.sequential = SEQUENTIAL[dark.matches ? "dark" : "light"].map(colourOf);
+  showScale();
 }
 
 function words() {
-  part("title").textContent = run.title;
-  part("about").textContent = run.about.join(" · ");
-  part("status").textContent = run.status;
-  part("status").classList.toggle("bad", !run.success);
-  part("verdict").textContent = "audit " + run.verdict;
-  part("verdict").classList.add(run.passed ? "good" : "bad");
+  part("title").textContent = page.title;
+  part("about").textContent = page.about.join(" · ");
+  part("runs").replaceChildren(...runs.map((run, k) => {
+    const row = made("div", "", "run"), swatch = made("input", "", "swatch"), label = made("label", "");
+    if (runs.length > 1) {
+      Object.assign(swatch, { type: "checkbox", checked: run.shown });
+      swatch.style.accentColor = PALETTE[k % PALETTE.length];
+      swatch.addEventListener("change", () => { run.shown = swatch.checked; skin(); redraw(); });
+      label.append(swatch, made("b", run.label));
+      label.style.color = PALETTE[k % PALETTE.length];
+      row.append(label);
+    }
+    row.append(made("span", run.status, run.success ? "status" : "status bad"), made("span", run.verdict && `audit ${run.verdict}`, run.passed ? "verdict good" : "verdict bad"));
+    return row;
+  }));
+  const notes = runs.flatMap((run) => run.notes.map((note) => (runs.length > 1 ? `${run.label}: ${note}` : note)));
   const remarks = part("remarks");
-  remarks.hidden = run.notes.length === 0;
-  remarks.querySelector("summary").textContent = run.notes.length === 1 ? "1 note" : `${run.notes.length} notes`;
-  for (const note of run.notes) {
-    const item = document.createElement("li");
-    item.textContent = note;
-    remarks.querySelector("ul").append(item);
-  }
-  const hints = [`${run.frames < run.instants ? run.frames + " of" : "all"} ${run.instants} saved instants are shown`];
-  if (run.rods.some((rod) => rod.outline.length < 6)) hints.push("sections without an outline are drawn round");
-  hints.push("space plays, arrows step, drag turns, wheel zooms, shift-drag moves, F fits");
+  remarks.hidden = notes.length === 0;
+  remarks.querySelector("summary").textContent = notes.length === 1 ? "1 note" : `${notes.length} notes`;
+  remarks.querySelector("ul").replaceChildren(...notes.map((note) => made("li", note)));
+  const kept = runs.map((run) => (run.frames < run.instants ? `${run.frames} of ${run.instants}` : `all ${run.frames}`));
+  const hints = [`${[...new Set(kept)].join(", ")} saved instants are shown`];
+  if (runs.some((run) => run.frames < run.instants)) hints[0] += ", thinned to keep the page small";
+  if (page.size) hints.push(page.size);
+  if (runs.some((run) => run.rods.some((rod) => rod.outline.length < 6))) hints.push("sections without an outline are drawn round");
+  hints.push("H for help");
   part("hint").textContent = hints.join(" · ");
 }
 
 // ---- time
 
-const span = run.t[last] - run.t[0];
-const realTime = dynamic && span >= 2 && span <= 60;
-const pace = realTime ? 1 : Math.max(span, 1e-30) / 10; // model time per second at speed 1
+function setClock() {
+  clock = makeClock(runs);
+  const seconds = dynamic && clock.span >= 2 && clock.span <= 60;
+  pace = seconds ? 1 : Math.max(clock.span, 1e-30) / 10; // model time per second at speed 1
+  slider.max = clock.last;
+  part("play").disabled = slider.disabled = clock.last === 0;
+  const same = [...part("speed").options].find((one) => one.value === "1");
+  if (same) same.textContent = seconds ? "real time" : "× 1";
+}
 
 function step(seconds) {
-  const k = Math.min(Math.floor(seen.u), last - 1), gap = run.t[k + 1] - run.t[k];
-  const ahead = dynamic && gap > 0 ? seconds * pace / gap : seconds * last / 8;
+  const k = Math.min(Math.floor(seen.u), clock.last - 1), gap = clock.ticks[k + 1] - clock.ticks[k];
+  const ahead = dynamic && gap > 0 ? seconds * pace / gap : seconds * clock.last / 8;
   seen.u += ahead * Number(part("speed").value);
-  if (seen.u < last) return;
-  seen.u = last;
+  if (seen.u < clock.last) return;
+  seen.u = clock.last;
+  if (!checked("loop")) return play(false);
   seen.hold += seconds;
   if (seen.hold > 1) [seen.u, seen.hold] = [0, 0];
 }
 
 function go(frame) {
-  seen.u = Math.min(last, Math.max(0, Math.round(frame)));
+  seen.u = Math.min(clock.last, Math.max(0, Math.round(frame)));
   seen.hold = 0;
   redraw();
 }
 
 function play(on) {
-  seen.playing = on && last > 0;
+  seen.playing = on && clock.last > 0;
   if (!seen.playing) seen.u = Math.round(seen.u); // rest on an instant that was computed
-  if (seen.playing && seen.u >= last) seen.u = 0;
+  if (seen.playing && seen.u >= clock.last) seen.u = 0;
   part("play").textContent = seen.playing ? "❚❚" : "▶";
   part("play").setAttribute("aria-label", seen.playing ? "pause" : "play");
+  seen.newest = false;
   before = 0;
   redraw();
 }
@@ -90,146 +124,39 @@ function play(on) {
 function stop(frame) {
   play(false);
   go(frame);
-}
-
-function timeAt(u) {
-  const k = Math.min(Math.floor(u), last), next = Math.min(k + 1, last);
-  return run.t[k] + (u - k) * (run.t[next] - run.t[k]);
+  seen.newest = seen.u === clock.last; // of a run that goes on
 }
 
 // ---- colours
 
 function paint() {
-  const [field, component] = part("colour").value.split(":"), plain = seen.ink.rod3;
-  if (field === "plain" || field === "rod") {
-    for (const { index, firstSample, samples } of skeleton.rods) {
-      const colour = field === "rod" ? colourOf(PALETTE[index % PALETTE.length]) : plain;
-      for (let q = firstSample; q < firstSample + samples; q++) paints.set(colour, 3 * q);
-    }
-    return;
-  }
-  atFrame(run[field], 6 * run.stations, seen.u, values);
-  const { x3, z3, middle3 } = seen.ink, most = seen.most || 1;
-  skeleton.samples.forEach((sample, q) => {
-    const one = values[6 * sample.station + +component], other = values[6 * sample.next + +component];
-    const value = ((1 - sample.weight) * one + sample.weight * other) / most, end = value < 0 ? z3 : x3, a = Math.min(1, Math.abs(value));
-    for (let m = 0; m < 3; m++) paints[3 * q + m] = middle3[m] + a * (end[m] - middle3[m]);
-  });
-}
-
-function chooseColour() {
-  const [field, component] = part("colour").value.split(":");
-  part("scale").hidden = component === undefined;
-  if (component === undefined) return;
-  seen.most = 0;
-  for (let i = +component; i < run[field].length; i += 6) seen.most = Math.max(seen.most, Math.abs(run[field][i]));
-  part("low").textContent = brief(-seen.most);
-  part("high").textContent = brief(seen.most);
-}
-
-// ---- the picture in space
-
-const radius = run.rods.reduce((most, rod) => rod.outline.reduce((a, x) => Math.max(a, Math.abs(x)), most), 0);
-const thicknesses = [1, 2, 5, 10, 20, 50, 100];
-const fitting = radius > 0 ? thicknesses.find((k) => k * radius >= 0.004 * room.size) || 100 : 1;
-const plainRadius = 0.008 * room.size / fitting;
-
-function skin() {
-  if (scene) scene.setSkin(sweep(skeleton, Number(part("thickness").value), plainRadius));
-}
-
-function segments() {
-  const lines = [], add = (from, to, colour, width) => lines.push(...from, ...to, ...colour, width * devicePixelRatio);
-  const at = (array, k, from = 0) => [array[from + 3 * k], array[from + 3 * k + 1], array[from + 3 * k + 2]];
-  for (const { firstSample, samples } of skeleton.rods) {
-    for (let q = firstSample + 1; q < firstSample + samples; q++) {
-      if (checked("ghost")) add(seen.still[q - 1], seen.still[q], seen.ink.ghost3, 1.6);
-      if (!checked("sections")) add(at(skeleton.poses, 3 * (q - 1)), at(skeleton.poses, 3 * q), paints.subarray(3 * q, 3 * q + 3), 3);
-    }
-  }
-  for (const { foot, tip } of jointEnds(run, r, turn).flat()) if (foot) add(foot, tip, seen.ink.ghost3, 1.6);
-  if (checked("directors")) {
-    const length = Math.max(0.035 * room.size, 1.8 * radius * Number(part("thickness").value)), count = skeleton.knotNode.length;
-    const colours = [seen.ink.x3, seen.ink.y3, seen.ink.z3], stride = Math.ceil(count / DIRECTORS_AT_MOST);
-    for (let k = 0; k < count; k += stride) {
-      const from = at(skeleton.knots, 3 * k), d1 = at(skeleton.knots, 3 * k + 1), d2 = at(skeleton.knots, 3 * k + 2);
-      const d3 = [d1[1] * d2[2] - d1[2] * d2[1], d1[2] * d2[0] - d1[0] * d2[2], d1[0] * d2[1] - d1[1] * d2[0]];
-      [d1, d2, d3].forEach((d, i) => add(from, from.map((x, m) => x + length * d[m]), colours[i], 2));
-    }
-  }
-  if (checked("traces")) {
-    for (const [, node] of run.names.slice(0, TRACES_AT_MOST)) {
-      let from = at(run.r, node);
-      for (let k = 1; k <= seen.u; k++) {
-        const to = at(run.r, node, 3 * run.nodes * k);
-        add(from, to, seen.ink.trace3, 1.3);
-        from = to;
+  const chosen = part("colour").value, field = FIELDS[chosen];
+  for (const skeleton of skeletons) {
+    const { run, paints } = skeleton, k = runs.indexOf(run), field_ = field && has(run, field);
+    if (!field_) {
+      for (const { index, firstSample, samples } of skeleton.rods) {
+        const colour = chosen === "rod" ? colourOf(PALETTE[index % 8]) : runs.length > 1 ? colourOf(PALETTE[k % 8]) : seen.ink.rod3;
+        for (let q = firstSample; q < firstSample + samples; q++) paints.set(colour, 3 * q);
       }
-      add(from, at(r, node), seen.ink.trace3, 1.3);
+      continue;
     }
+    fieldAt(run, skeleton, field, clock.frame(run, seen.u), run.buffer, skeleton.values);
+    skeleton.values.forEach((value, q) => paints.set(onScale(seen.stops, (value - seen.low) / (seen.high - seen.low || 1)), 3 * q));
   }
-  return lines;
 }
 
-function eyeOn() {
-  const drift = checked("follow") ? centroid(r).map((x, i) => x - seen.home[i]) : [0, 0, 0];
-  const eye = { ...seen, target: seen.target.map((x, i) => x + drift[i]) };
-  return look(eye, space.width, space.height, { ...room, reach: room.reach + Math.hypot(...drift) });
-}
-
-function drawSpace() {
-  const view = eyeOn();
-  paint();
-  if (scene) scene.draw({ poses: skeleton.poses, paints, lines: segments(), view, paper: seen.ink.paper3, sections: checked("sections") });
-  const pen = overlay.getContext("2d"), scale = devicePixelRatio, width = overlay.width / scale, height = overlay.height / scale;
-  pen.setTransform(scale, 0, 0, scale, 0, 0);
-  pen.clearRect(0, 0, width, height);
-  pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-  pen.lineJoin = "round";
-  if (scene) {
-    for (const node of run.loose) dot(pen, project(view, [r[3 * node], r[3 * node + 1], r[3 * node + 2]], width, height), true);
-  }
-  if (checked("names") && scene) {
-    for (const [name, node] of run.names.slice(0, NAMES_AT_MOST)) {
-      const spot = project(view, [r[3 * node], r[3 * node + 1], r[3 * node + 2]], width, height);
-      if (!spot) continue;
-      dot(pen, spot, true);
-      write(pen, name, spot[0] + 8, spot[1] - 6, seen.ink.ink);
-    }
-  }
-  if (scene) for (const ends of jointEnds(run, r, turn)) dot(pen, project(view, ends[1].tip, width, height), false);
-  if (scene) gizmo(pen, view, 44, height - 44);
-}
-
-// A full dot for a node, an open one for a joint.
-function dot(pen, spot, full) {
-  if (!spot) return;
-  pen.fillStyle = full ? seen.ink.ink : seen.ink.paper;
-  pen.strokeStyle = seen.ink.ink;
-  pen.lineWidth = 1.5;
-  pen.beginPath();
-  pen.arc(spot[0], spot[1], full ? 3 : 3.5, 0, 2 * Math.PI);
-  pen.fill();
-  if (!full) pen.stroke();
-}
-
-function write(pen, text, x, y, colour) {
-  pen.strokeStyle = seen.ink.paper;
-  pen.lineWidth = 4;
-  pen.strokeText(text, x, y);
-  pen.fillStyle = colour;
-  pen.fillText(text, x, y);
-}
-
-function gizmo(pen, view, x, y) {
-  const arms = ["x", "y", "z"].map((name, i) => ({ name, right: view.right[i], up: view.up[i], back: view.back[i] }));
-  for (const { name, right, up } of arms.sort((a, b) => a.back - b.back)) {
-    pen.strokeStyle = seen.ink[name];
-    pen.lineWidth = 2;
-    pen.beginPath();
-    pen.moveTo(x, y);
-    pen.lineTo(x + 26 * right, y - 26 * up);
-    pen.stroke();
-    if (Math.hypot(right, up) > 0.2) write(pen, name, x + 35 * right - 4, y - 35 * up + 4, seen.ink[name]);
-  }
+function showScale() {
+  const field = FIELDS[part("colour").value];
+  part("scale").hidden = !field || !scene;
+  if (!field) return;
+  const { low, high } = rangeOf(runs, field), unit = field.unit && page.units[field.unit];
+  const { z3, middle3, x3 } = seen.ink, most = Math.max(Math.abs(low), Math.abs(high));
+  [seen.low, seen.high] = field.signed ? [-most, most] : [0, high];
+  seen.stops = field.signed ? [z3, middle3, x3] : seen.sequential;
+  part("bar").style.background = `linear-gradient(to right, ${seen.stops.map(cssOf).join(", ")})`;
+  part("field").textContent = seen.caption = field.name + (unit ? ` [${unit}]` : "");
+  part("low").textContent = brief(seen.low);
+  part("zero").textContent = field.signed ? "0" : "";
+  part("high").textContent = brief(seen.high);
+  part("range").textContent = seen.extremes = `over all times ${[low, high].map((x) => brief(Math.abs(x) < 1e-6 * most ? 0 : x)).join(" … ")}`;
 }

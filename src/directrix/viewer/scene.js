@@ -66,41 +66,88 @@ void main() { colour = vec4(paint, 1.0); }`;
 
 const POSE_WIDTH = 1023; // texels in a row of the texture of poses: a multiple of three, below every limit
 
-// Vertices (sample, offset, normal in d1, d2, d3) and triangles of all rods' skins.
-function sweep(skeleton, thickness, plainRadius) {
-  const vertices = [], triangles = [], shared = new Map();
+// Vertices (sample, offset, normal in d1, d2, d3) and triangles of all rods' skins; samples are counted from `start`.
+function sweep(skeletons, thickness, plainRadius) {
+  const vertices = [], triangles = [];
   const add = (sample, offset, normal) => vertices.push(sample, ...offset, ...normal) / 7 - 1;
-  for (const { rod } of skeleton.rods) {
-    for (const node of [rod.nodes[0], rod.nodes.at(-1)]) shared.set(node, (shared.get(node) || 0) + 1);
-  }
-  for (const { rod, firstSample, samples } of skeleton.rods) {
-    const outline = outlineOf(rod, plainRadius).map(([x, y]) => [x * thickness, y * thickness]);
-    const edges = outline.map((p, i) => {
-      const q = outline[(i + 1) % outline.length], length = Math.hypot(q[0] - p[0], q[1] - p[1]) || 1;
-      return { p, q, normal: [(q[1] - p[1]) / length, (p[0] - q[0]) / length] };
-    });
-    const soft = (one, other) => { // round corners are shaded round, sharp ones sharp
-      if (one[0] * other[0] + one[1] * other[1] < 0.8) return [...one, 0];
-      const sum = [one[0] + other[0], one[1] + other[1]], length = Math.hypot(...sum);
-      return [sum[0] / length, sum[1] / length, 0];
-    };
-    edges.forEach(({ p, q, normal }, i) => {
-      const before = soft(normal, edges.at(i - 1).normal), after = soft(normal, edges[(i + 1) % edges.length].normal);
-      for (let k = 0; k < samples; k++) {
-        const first = add(firstSample + k, [...p, 0], before);
-        add(firstSample + k, [...q, 0], after);
-        if (k > 0) triangles.push(first - 2, first - 1, first, first, first - 1, first + 1);
+  for (const skeleton of skeletons) {
+    const shared = new Map();
+    for (const { rod } of skeleton.rods) {
+      for (const node of [rod.nodes[0], rod.nodes.at(-1)]) shared.set(node, (shared.get(node) || 0) + 1);
+    }
+    for (const { rod, firstSample, samples } of skeleton.rods) {
+      const outline = outlineOf(rod, plainRadius).map(([x, y]) => [x * thickness, y * thickness]);
+      const edges = outline.map((p, i) => {
+        const q = outline[(i + 1) % outline.length], length = Math.hypot(q[0] - p[0], q[1] - p[1]);
+        return { p, q, length, normal: [(q[1] - p[1]) / (length || 1), (p[0] - q[0]) / (length || 1)] };
+      });
+      skinOf(edges, skeleton.start + firstSample, samples, add, triangles);
+      const cap = triangulate(outline), inner = solidRadius(edges);
+      for (const [k, node, way] of [[0, rod.nodes[0], -1], [samples - 1, rod.nodes.at(-1), 1]]) {
+        const end = skeleton.start + firstSample + k, first = outline.map((p) => add(end, [...p, 0], [0, 0, way]))[0];
+        for (const corner of cap) triangles.push(first + corner);
+        if (shared.get(node) > 1) ball(add, triangles, end, inner);
       }
-    });
-    for (const [end, node, way] of [[firstSample, rod.nodes[0], -1], [firstSample + samples - 1, rod.nodes.at(-1), 1]]) {
-      const middle = add(end, [0, 0, 0], [0, 0, way]);
-      outline.forEach((p) => add(end, [...p, 0], [0, 0, way]));
-      outline.forEach((_, i) => triangles.push(middle, middle + 1 + i, middle + 1 + (i + 1) % outline.length));
-      const inner = Math.min(...edges.map(({ p, normal }) => Math.abs(p[0] * normal[0] + p[1] * normal[1])));
-      if (shared.get(node) > 1) ball(add, triangles, end, inner);
     }
   }
   return { vertices: new Float32Array(vertices), triangles: new Uint32Array(triangles) };
+}
+
+// The two sides of the line on which an outline goes into a hole and out again, which is no surface.
+const seamed = (edges) => {
+  const key = (p, q) => [...p, ...q].join(), known = new Set(edges.map(({ p, q }) => key(p, q)));
+  return edges.map(({ p, q, length }) => length === 0 || known.has(key(q, p)));
+};
+
+function skinOf(edges, start, samples, add, triangles) {
+  const seam = seamed(edges);
+  const soft = (one, other) => { // round corners are shaded round, sharp ones sharp
+    if (one[0] * other[0] + one[1] * other[1] < 0.8) return [...one, 0];
+    const sum = [one[0] + other[0], one[1] + other[1]], length = Math.hypot(...sum);
+    return [sum[0] / length, sum[1] / length, 0];
+  };
+  const beside = ({ p, q }) => { // the edges before and after on the same ring
+    const real = (_, k) => !seam[k], same = (a, b) => a[0] === b[0] && a[1] === b[1], ring = edges.filter(real);
+    return [ring.find((other) => same(other.q, p)), ring.find((other) => same(other.p, q))];
+  };
+  edges.forEach((edge, i) => {
+    if (seam[i]) return;
+    const [one, other] = beside(edge), before = soft(edge.normal, one ? one.normal : edge.normal);
+    const after = soft(edge.normal, other ? other.normal : edge.normal);
+    for (let k = 0; k < samples; k++) {
+      const first = add(start + k, [...edge.p, 0], before);
+      add(start + k, [...edge.q, 0], after);
+      if (k > 0) triangles.push(first - 2, first - 1, first, first, first - 1, first + 1);
+    }
+  });
+}
+
+// How near the outer ring comes to the axis.
+function solidRadius(edges) {
+  const hole = seamed(edges).indexOf(true), ring = hole > 0 ? edges.slice(0, hole) : edges;
+  return ring.length ? Math.min(...ring.map(({ p, normal }) => Math.abs(p[0] * normal[0] + p[1] * normal[1]))) : 0;
+}
+
+// Corners of the triangles that fill an anticlockwise polygon, by cutting ears; it may touch itself along a seam.
+function triangulate(points) {
+  const left = points.map((_, i) => i), out = [];
+  const cross = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  const same = (a, b) => a[0] === b[0] && a[1] === b[1];
+  const ear = (i) => {
+    const n = left.length, [a, b, c] = [left[(i + n - 1) % n], left[i], left[(i + 1) % n]].map((k) => points[k]);
+    if (cross(a, b, c) <= 0) return false;
+    return !left.some((k) => {
+      const p = points[k];
+      if (same(p, a) || same(p, b) || same(p, c)) return false;
+      return cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0;
+    });
+  };
+  while (left.length > 2) {
+    const n = left.length, i = left.findIndex((_, k) => ear(k));
+    if (i >= 0) out.push(left[(i + n - 1) % n], left[i], left[(i + 1) % n]);
+    left.splice(Math.max(i, 0), 1); // a corner on a straight line is no ear and none is lost
+  }
+  return out;
 }
 
 // Rods that meet at an angle leave a notch between their ends; a ball of the section's inner radius fills it.
@@ -234,7 +281,8 @@ function attributes(gl, made, parts, divisor) {
 }
 
 // A camera that turns about a target: yaw about z, pitch over the x-y plane; straight down is no special case.
-function look({ target, yaw, pitch, distance }, width, height, room) {
+// `covered` are the shares of the width on the right and of the height below that something else covers.
+function look({ target, yaw, pitch, distance }, width, height, room, covered = [0, 0]) {
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   const right = [-sy, cy, 0], up = [-sp * cy, -sp * sy, cp], back = [cp * cy, cp * sy, sp];
   const eye = target.map((t, i) => t + distance * back[i]);
@@ -243,6 +291,11 @@ function look({ target, yaw, pitch, distance }, width, height, room) {
   const dot = (v) => -(v[0] * eye[0] + v[1] * eye[1] + v[2] * eye[2]);
   const rows = [right.map((x) => x * focal * height / width), up.map((x) => x * focal), back.map((x) => x * slope), back.map((x) => -x)];
   const last = [dot(right) * focal * height / width, dot(up) * focal, dot(back) * slope + shift, -dot(back)];
+  covered.forEach((share, i) => {
+    const shift = i === 0 ? -share : share;
+    rows[i] = rows[i].map((x, j) => x + shift * rows[3][j]);
+    last[i] += shift * last[3];
+  });
   const matrix = new Float32Array(16);
   for (let i = 0; i < 4; i++) {
     for (let j = 0; j < 3; j++) matrix[4 * j + i] = rows[i][j];
