@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import radians
@@ -11,48 +10,33 @@ from typing import Any
 
 import numpy as np
 
+from directrix.checks import nearest
 from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
-from directrix.errors import InputError, ModelError
+from directrix.errors import ModelError
 from directrix.model import Model, Vec
 from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
+from directrix.schema.blame import Add, Blame
 from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
-from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
 
-__all__ = ["build_control", "build_model", "placed"]
-
-Add = Callable[[Model], Model]
+__all__ = ["build_control", "build_model", "entries_of"]
 
 
-def build_model(tables: m.CaseFile, title: str, source: Source, *, check_each: bool = False) -> Model:
-    """The Model that the tables describe. Raises InputError at the entry that cannot be.
-
-    ``check_each`` looks at the whole after every entry: slow, but it finds the one that does not fit.
-    """
+def build_model(tables: m.CaseFile, title: str, blame: Blame) -> Model:
+    """The Model that the tables describe, without the entries that cannot be, which ``blame`` notes."""
     model = Model(name=title)
-    for loc, add in _entries(tables, source):
-        with placed(source, loc):
+    for loc, add in entries_of(tables, blame):
+        try:
             model = add(model)
-            if check_each:
-                model.check()
+        except ModelError as error:
+            blame.note(loc, error)
     return model
-
-
-@contextmanager
-def placed(source: Source, loc: Path) -> Generator[None]:
-    """Give a ModelError the place of an entry of the file."""
-    try:
-        yield
-    except InputError:
-        raise
-    except ModelError as error:
-        raise InputError(error.what, error.fix, source.where(loc)) from None
 
 
 @dataclass(frozen=True)
@@ -95,12 +79,14 @@ def build_control(table: m.ArcLength | m.DisplacementControl | None) -> Control 
             )
 
 
-def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
+def entries_of(tables: m.CaseFile, blame: Blame) -> Iterator[tuple[Path, Add]]:
     """Every entry of the file in the order of the model: its place, and what adds it."""
     sections: dict[str, Section] = {}
     for name, table in tables.section.items():
-        with placed(source, ("section", name)):
+        try:
             sections[name] = _section(table)
+        except ModelError as error:
+            blame.note(("section", name), error)
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections)
     for k, node in enumerate(tables.node):
@@ -188,7 +174,8 @@ def _rod(rod: m.Rod, sections: Mapping[str, Section], model: Model) -> Model:
     if rod.section not in sections:
         raise ModelError(
             f"rod {rod.name!r} has the section {rod.section!r}, which the file does not define",
-            f"sections of this file: {', '.join(sections)}",
+            f"{nearest(rod.section, sections)}sections of this file: {', '.join(sections) or 'none'}",
+            code="DX421",
         )
     return model.rod(
         _curve(rod),
@@ -324,4 +311,4 @@ def _position(node: str, model: Model) -> Vec:
                 x, y, z = rod.curve.position(fraction * rod.curve.length).tolist()
                 return (x, y, z)
     known = [name for rod in model.rods for name in rod.names] + [free.name for free in model.nodes]
-    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}")
+    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}", code="DX420")

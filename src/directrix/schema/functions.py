@@ -15,10 +15,23 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from directrix import functions
-from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
+from directrix.schema.base import (
+    ANGLE,
+    FREQUENCY,
+    TIME,
+    Numbers,
+    Places,
+    Positive,
+    Strict,
+    Times,
+    Vectors,
+    refuse,
+)
 
 Array = NDArray[np.float64]
 Vec = tuple[float, float, float]
+_A = Annotated[float, ANGLE]
+Angles = Annotated[tuple[_A, _A, _A], Field(strict=False)]
 
 __all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable", "timed"]
 
@@ -27,7 +40,7 @@ class Table(Strict):
     """Piecewise linear through (t, value); constant before the first and after the last point."""
 
     kind: Literal["table"] = "table"
-    t: Numbers
+    t: Times
     value: Numbers
 
     @model_validator(mode="after")
@@ -43,8 +56,8 @@ class Ramp(Strict):
     """0 until ``start``, then linear, 1 from ``until`` on."""
 
     kind: Literal["ramp"] = "ramp"
-    until: float
-    start: float = 0.0
+    until: Annotated[float, TIME]
+    start: Annotated[float, TIME] = 0.0
 
     @model_validator(mode="after")
     def _order(self) -> Self:
@@ -60,10 +73,10 @@ class Sine(Strict):
     """mean + amplitude · sin(2π · frequency · t + phase)."""
 
     kind: Literal["sine"] = "sine"
-    frequency: Positive
+    frequency: Annotated[Positive, FREQUENCY]
     """Cycles per unit of time."""
     amplitude: float = 1.0
-    phase: float = 0.0
+    phase: Annotated[float, ANGLE] = 0.0
     """In radians."""
     mean: float = 0.0
 
@@ -79,9 +92,9 @@ class Pulse(Strict):
     """
 
     kind: Literal["pulse"] = "pulse"
-    start: float = 0.0
-    end: float
-    peak: float | None = None
+    start: Annotated[float, TIME] = 0.0
+    end: Annotated[float, TIME]
+    peak: Annotated[float, TIME] | None = None
     """Time of the highest point of a triangle, ``start`` and ``end`` included; the middle unless given."""
     shape: Literal["triangle", "half-sine", "rectangle"] = "triangle"
 
@@ -121,7 +134,7 @@ Time = Annotated[Table | Ramp | Sine | Pulse, Field(discriminator="kind")]
 class VectorTable(Strict):
     """Vectors at given times, piecewise linear between them, constant outside."""
 
-    t: Numbers
+    t: Times
     value: Vectors
 
     @model_validator(mode="after")
@@ -131,6 +144,18 @@ class VectorTable(Strict):
 
     def __call__(self, t: float) -> Array:
         return np.array([np.interp(t, self.t, column) for column in zip(*self.value, strict=True)])
+
+
+class PlaceTable(VectorTable):
+    """Displacements at given times, piecewise linear between them, constant outside."""
+
+    value: Places
+
+
+class TurnTable(VectorTable):
+    """Rotation vectors at given times, piecewise linear between them, constant outside."""
+
+    value: Annotated[tuple[Angles, ...], Field(strict=False, min_length=2)]
 
 
 def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:

@@ -5,14 +5,41 @@ Units are whatever consistent set the user works in; angles are in radians unles
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from directrix.checks import step_count
 from directrix.errors import ModelError
-from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
-from directrix.schema.functions import Time, VectorTable
+from directrix.schema.base import (
+    ACCELERATION,
+    CURVATURE,
+    DEGREES,
+    DRAG,
+    FORCE,
+    FORCE_PER_AREA_LENGTH,
+    FORCE_PER_LENGTH,
+    FORCE_PER_SPEED,
+    INERTIA,
+    LENGTH,
+    MASS,
+    MOMENT,
+    SPEED,
+    STRESS,
+    TIME,
+    Name,
+    NotNegative,
+    Place,
+    Places,
+    Positive,
+    Speed,
+    Spin,
+    Strict,
+    Tolerance,
+    Vector,
+    refuse,
+)
+from directrix.schema.functions import Angles, PlaceTable, Time, TurnTable, VectorTable
 from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
 
@@ -23,9 +50,17 @@ def _vector_or_table(value: object) -> str:
     return "table" if isinstance(value, dict | VectorTable) else "vector"
 
 
-Motion = Annotated[
-    Annotated[Vector, Tag("vector")] | Annotated[VectorTable, Tag("table")], Discriminator(_vector_or_table)
-]
+V, T = TypeVar("V"), TypeVar("T")
+Either = Annotated[Annotated[V, Tag("vector")] | Annotated[T, Tag("table")], Discriminator(_vector_or_table)]
+
+
+_F, _M, _Q = Annotated[float, FORCE], Annotated[float, MOMENT], Annotated[float, FORCE_PER_LENGTH]
+_G, _I = Annotated[float, ACCELERATION], Annotated[float, INERTIA]
+Forces = Annotated[tuple[_F, _F, _F], Field(strict=False)]
+Moments = Annotated[tuple[_M, _M, _M], Field(strict=False)]
+LineLoads = Annotated[tuple[_Q, _Q, _Q], Field(strict=False)]
+Accelerations = Annotated[tuple[_G, _G, _G], Field(strict=False)]
+Inertias = Annotated[tuple[_I, _I, _I], Field(strict=False)]
 
 
 # --- rods
@@ -34,20 +69,20 @@ Motion = Annotated[
 class Arc(Strict):
     """Circular arc through three points."""
 
-    start: Vector
-    through: Vector
-    end: Vector
+    start: Place
+    through: Place
+    end: Place
 
 
 class Helix(Strict):
     """Circular helix around an axis."""
 
-    radius: Positive
-    pitch: float
+    radius: Annotated[Positive, LENGTH]
+    pitch: Annotated[float, LENGTH]
     """Climb per turn."""
     turns: float
     """Number of turns; negative winds left-handed."""
-    origin: Vector = (0.0, 0.0, 0.0)
+    origin: Place = (0.0, 0.0, 0.0)
     """A point of the axis; the helix starts beside it."""
     axis: Vector = (0.0, 0.0, 1.0)
     """Direction of the axis."""
@@ -64,15 +99,15 @@ class Rod(Strict):
     name: Name
     section: Name
     """Name of a ``[section.…]`` of this file."""
-    line: Annotated[tuple[Vector, Vector], Field(strict=False)] | None = None
+    line: Annotated[tuple[Place, Place], Field(strict=False)] | None = None
     """Straight from the first to the second point."""
     arc: Arc | None = None
     """Circular arc."""
     helix: Helix | None = None
     """Circular helix."""
-    polyline: Vectors | None = None
+    polyline: Places | None = None
     """Straight between the points."""
-    spline: Annotated[tuple[Vector, ...], Field(strict=False, min_length=3)] | None = None
+    spline: Annotated[tuple[Place, ...], Field(strict=False, min_length=3)] | None = None
     """Smooth through three points or more."""
     d1: Vector | None = None
     """Its part normal to the axis at the start is the first director.
@@ -129,8 +164,9 @@ class Turn(Strict):
 
     axis: Vector
     """Direction of the line; right-handed."""
-    degrees: float
-    about: Vector = (0.0, 0.0, 0.0)
+    degrees: Annotated[float, DEGREES]
+    """The angle; its plain number is in degrees."""
+    about: Place = (0.0, 0.0, 0.0)
     """A point of the line."""
     time: Time | None = None
     """Factor on ``degrees``; statics ramps it unless given, dynamics needs it."""
@@ -146,9 +182,9 @@ class Prescribe(Strict):
     """A node that is moved: displacement and rotation vector from the reference, a rigid turn on top."""
 
     node: Name
-    displacement: Motion | None = None
+    displacement: Either[Place, PlaceTable] | None = None
     """Vector (times ``time``), or a table ``{ t = […], value = [[…], …] }``."""
-    rotation: Motion | None = None
+    rotation: Either[Angles, TurnTable] | None = None
     """Rotation vector in radians (times ``time``), or a table."""
     turn: Turn | None = None
     """Rigid turn that follows the displacement."""
@@ -184,6 +220,9 @@ class Load(Strict):
 class Force(Load):
     """Force at a node."""
 
+    value: Forces
+    """Vector in the global frame."""
+
     node: Name
     follower: bool = False
     """It turns with the node; ``value`` is then its direction in the reference."""
@@ -192,6 +231,9 @@ class Force(Load):
 class Moment(Load):
     """Spatial moment at a node."""
 
+    value: Moments
+    """Vector in the global frame."""
+
     node: Name
     follower: bool = False
     """It turns with the node; ``value`` is then its direction in the reference."""
@@ -199,6 +241,9 @@ class Moment(Load):
 
 class Distributed(Load):
     """Force per reference length along a rod."""
+
+    value: LineLoads
+    """Vector in the global frame."""
 
     rod: Name
     follower: bool = False
@@ -209,8 +254,8 @@ class Pressure(Strict):
     """Pressure on one side of a rod: value · width per reference length, along a director."""
 
     rod: Name
-    value: float
-    width: Positive = 1.0
+    value: Annotated[float, STRESS]
+    width: Annotated[Positive, LENGTH] = 1.0
     along: Literal["d1", "d2", "-d1", "-d2"] = "d1"
     """The director that it pushes along; the force follows the section."""
     time: Time | None = None
@@ -222,21 +267,24 @@ class Pressure(Strict):
 class Gravity(Load):
     """Acceleration of free fall."""
 
+    value: Accelerations
+    """Vector in the global frame."""
+
 
 class Velocity(Strict):
     """Initial velocity of one node."""
 
     node: Name
-    v: Vector
-    omega: Vector = (0.0, 0.0, 0.0)
+    v: Speed
+    omega: Spin = (0.0, 0.0, 0.0)
 
 
 class RigidVelocity(Strict):
     """Initial velocity of the whole model: v + omega × (r − about)."""
 
-    v: Vector
-    omega: Vector = (0.0, 0.0, 0.0)
-    about: Vector = (0.0, 0.0, 0.0)
+    v: Speed
+    omega: Spin = (0.0, 0.0, 0.0)
+    about: Place = (0.0, 0.0, 0.0)
 
 
 # --- what is attached
@@ -246,7 +294,7 @@ def _name_or_place(value: object) -> str:
     return "node" if isinstance(value, str) else "place"
 
 
-End = Annotated[Annotated[Name, Tag("node")] | Annotated[Vector, Tag("place")], Discriminator(_name_or_place)]
+End = Annotated[Annotated[Name, Tag("node")] | Annotated[Place, Tag("place")], Discriminator(_name_or_place)]
 
 
 class Link(Strict):
@@ -258,48 +306,49 @@ class Link(Strict):
     """Node of the first point."""
     b: End
     """Node of the second point, or the place [x, y, z] on the ground."""
-    offset_a: Vector = (0.0, 0.0, 0.0)
+    offset_a: Place = (0.0, 0.0, 0.0)
     """From the node to the first point, in the reference; turns with the node."""
-    offset_b: Vector = (0.0, 0.0, 0.0)
+    offset_b: Place = (0.0, 0.0, 0.0)
     """From the node to the second point."""
 
 
 class Spring(Link):
     """Linear spring."""
 
-    stiffness: Positive
-    length: NotNegative | None = None
+    stiffness: Annotated[Positive, FORCE_PER_LENGTH]
+    length: Annotated[NotNegative, LENGTH] | None = None
     """Without tension; the distance in the reference unless given."""
-    damping: NotNegative = 0.0
+    damping: Annotated[NotNegative, FORCE_PER_SPEED] = 0.0
     """Force per rate of length."""
 
 
 class Cable(Spring):
     """Pulls and does not push."""
 
-    width: Positive | None = None
+    width: Annotated[Positive, LENGTH] | None = None
     """Length over which the change is smooth; a thousandth of ``length`` unless given."""
 
 
 class Dashpot(Link):
     """Force proportional to the rate of length, in dynamics."""
 
-    damping: Positive
+    damping: Annotated[Positive, FORCE_PER_SPEED]
 
 
 # --- what drives and resists
 
 
-Pair = tuple[float, float]
+Pair = tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]]
+Curvatures = tuple[Annotated[float, CURVATURE], Annotated[float, CURVATURE]]
 
 
 class Actuate(Strict):
     """Strain at which a rod is without stress; what is given adds up."""
 
     rod: Name
-    curvature: Annotated[Pair, Field(strict=False)] | None = None
+    curvature: Annotated[Curvatures, Field(strict=False)] | None = None
     """Bending 1 and bending 2, about d1 and d2."""
-    twist: float | None = None
+    twist: Annotated[float, CURVATURE] | None = None
     elongation: float | None = None
     strain: Annotated[tuple[float, float, float, float, float, float], Field(strict=False)] | None = None
     """Shear 1, shear 2, axial, bending 1, bending 2, torsion."""
@@ -316,12 +365,12 @@ class Tendon(Strict):
     """The rod that it goes along, through the ends of its elements."""
     nodes: Annotated[tuple[Name, ...], Field(strict=False, min_length=2)] | None = None
     """The nodes that it goes through."""
-    tension: NotNegative
+    tension: Annotated[NotNegative, FORCE]
     offset: Annotated[Pair, Field(strict=False)] = (0.0, 0.0)
     """Along a rod: distance from the axis along d1 and d2."""
     offset_end: Annotated[Pair, Field(strict=False)] | None = None
     """The same at the end of the rod, linear between; ``offset`` unless given."""
-    offsets: Vectors | None = None
+    offsets: Places | None = None
     """Through nodes: from each node to its point, in the reference."""
     time: Time | None = None
     """Factor of time (statics: of the load factor, which multiplies the tension as well unless ``constant``)."""
@@ -341,11 +390,11 @@ class Drag(Strict):
     """Quadratic drag of a fluid: −normal |v_n| v_n − tangential |v_t| v_t per reference length."""
 
     rod: Name
-    normal: NotNegative
+    normal: Annotated[NotNegative, DRAG]
     """½ ρ C_n d."""
-    tangential: NotNegative = 0.0
+    tangential: Annotated[NotNegative, DRAG] = 0.0
     """½ ρ C_t π d."""
-    flow: Vector = (0.0, 0.0, 0.0)
+    flow: Speed = (0.0, 0.0, 0.0)
     """Velocity of the fluid."""
     time: Time | None = None
     """Factor on ``flow`` (statics: of the load factor, which multiplies it as well unless ``constant``)."""
@@ -357,15 +406,15 @@ class PointMass(Strict):
     """Mass on a node."""
 
     node: Name
-    mass: Positive
+    mass: Annotated[Positive, MASS]
 
 
 class RigidBody(PointMass):
     """Rigid body on a node, its centre of mass there or ``offset`` from it."""
 
-    inertia: Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
+    inertia: Annotated[tuple[Inertias, Inertias, Inertias], Field(strict=False)]
     """3×3 about its centre of mass, in the reference frame."""
-    offset: Vector | None = None
+    offset: Place | None = None
     """From the node to its centre of mass, which is then a node "NODE.body" in a rigid joint of that name."""
 
 
@@ -376,7 +425,7 @@ class Plane(Strict):
     """A plane."""
 
     kind: Literal["plane"]
-    point: Vector
+    point: Place
     normal: Vector
     """To where the rods are."""
 
@@ -385,8 +434,8 @@ class Sphere(Strict):
     """A sphere."""
 
     kind: Literal["sphere"]
-    center: Vector
-    radius: NotNegative
+    center: Place
+    radius: Annotated[NotNegative, LENGTH]
     inside: bool = False
     """The rods are within it."""
 
@@ -395,10 +444,10 @@ class Cylinder(Strict):
     """A cylinder without ends."""
 
     kind: Literal["cylinder"]
-    point: Vector
+    point: Place
     """A point of its axis."""
     axis: Vector
-    radius: NotNegative
+    radius: Annotated[NotNegative, LENGTH]
     inside: bool = False
     """The rods are within it: a pipe."""
 
@@ -411,15 +460,15 @@ class Touch(Strict):
 
     name: Name | None = None
     """"contact1", "contact2", … unless given."""
-    stiffness: Positive
+    stiffness: Annotated[Positive, FORCE_PER_AREA_LENGTH]
     """Force per penetration and per length of rod."""
     friction: NotNegative = 0.0
     """Coulomb's coefficient, in dynamics."""
-    slip_speed: Positive | None = None
+    slip_speed: Annotated[Positive, SPEED] | None = None
     """Sliding speed below which friction falls off; needed with friction."""
-    radius: Positive | None = None
+    radius: Annotated[Positive, LENGTH] | None = None
     """Of the rods; that of a round section unless given."""
-    width: Positive | None = None
+    width: Annotated[Positive, LENGTH] | None = None
     """Penetration over which the force rises; a tenth of the radius unless given."""
 
 
@@ -429,7 +478,7 @@ class Contact(Touch):
     obstacle: Annotated[Plane | Sphere | Cylinder, Field(discriminator="kind")]
     rods: RodNames | None = None
     """All unless given."""
-    radius: NotNegative | None = None
+    radius: Annotated[NotNegative, LENGTH] | None = None
     """Of the rods; that of a round section unless given."""
 
 
@@ -475,7 +524,7 @@ class Reach(Strict):
 
     node: Name
     component: Literal["x", "y", "z"]
-    displacement: float
+    displacement: Annotated[float, LENGTH]
     """From the reference; reached when it is this much or more, in the sense of its sign."""
 
     @model_validator(mode="after")
@@ -515,7 +564,7 @@ class DisplacementControl(Strict):
     kind: Literal["displacement"]
     node: Name
     component: Literal["x", "y", "z"]
-    to: float
+    to: Annotated[float, LENGTH]
     """Displacement from the reference to reach."""
     steps: Annotated[int, Field(ge=1, le=1_000_000)] = 10
     """Equal parts of the way; they are cut when needed."""
@@ -546,8 +595,8 @@ class Statics(Strict):
 class Dynamics(Strict):
     """Motion from t = 0 to t_end."""
 
-    t_end: Positive
-    dt: Positive
+    t_end: Annotated[Positive, TIME]
+    dt: Annotated[Positive, TIME]
     """Time step; ``t_end`` must be a whole number of them."""
     integrator: Scheme = "energy-momentum"
     chi_stress: NotNegative | None = None
@@ -597,8 +646,33 @@ class Output(Strict):
     """Keep every so many steps; the last one is always kept."""
 
 
+class Units(Strict):
+    """The units of plain numbers, in which the case is computed: length, time, and force or mass."""
+
+    length: str = "m"
+    time: str = "s"
+    mass: str | None = None
+    """kg unless given, or what the force makes of it."""
+    force: str | None = None
+    """In place of a mass."""
+
+    @model_validator(mode="after")
+    def _force_or_mass(self) -> Self:
+        if self.force is not None and self.mass is not None:
+            raise refuse(
+                "force and mass are both given, and one follows from the other", "keep one", "mass", code="DX304"
+            )
+        return self
+
+
 class CaseFile(Strict):
     """A case: sections, rods, nodes, what joins, holds, moves and loads them, and one analysis."""
+
+    schema_: Annotated[str, Field(alias="$schema")] = ""
+    """For editors: where the JSON schema is. In TOML a first line ``#:schema PATH`` says the same."""
+    format_version: Annotated[int, Field(ge=1)] = 1
+    """Of the case format; 1 is that of this directrix."""
+    units: Units = Units()
 
     title: str = ""
     description: str = ""
@@ -653,9 +727,16 @@ class CaseFile(Strict):
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
-            raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
+            raise refuse(
+                "the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve", code="DX218"
+            )
         if self.statics is not None and self.dynamics is not None:
-            raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
+            raise refuse(
+                "the file has both [statics] and [dynamics]",
+                "one file, one analysis: keep one",
+                "dynamics",
+                code="DX218",
+            )
         if self.statics is not None and not self.grounded:
             raise refuse(
                 "nothing is held, and statics needs a support for every part of the model",

@@ -6,7 +6,22 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from directrix.schema.base import NotNegative, Positive, Strict, refuse
+from directrix.schema.base import (
+    AREA,
+    BENDING,
+    DENSITY,
+    FORCE,
+    INERTIA_PER_LENGTH,
+    LENGTH,
+    MASS_PER_LENGTH,
+    SECOND_MOMENT,
+    STRESS,
+    TIME,
+    NotNegative,
+    Positive,
+    Strict,
+    refuse,
+)
 
 __all__ = ["Circle", "Material", "Matrix", "Moduli", "Properties", "Rectangle", "Section", "Shape", "Tube"]
 
@@ -17,20 +32,20 @@ Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=F
 class Damped(Strict):
     """What every section may have."""
 
-    damping: NotNegative = 0.0
+    damping: Annotated[NotNegative, TIME] = 0.0
     """Kelvin–Voigt damping: viscous matrix over stiffness, a time. Used in dynamics."""
 
 
 class Material(Damped):
     """What the sections with a shape need of the material."""
 
-    E: Positive
+    E: Annotated[Positive, STRESS]
     """Young's modulus (force per area)."""
     nu: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
     """Poisson's ratio; G = E / (2 (1 + nu)). Either nu or G."""
-    G: Positive | None = None
+    G: Annotated[Positive, STRESS] | None = None
     """Shear modulus."""
-    rho: NotNegative = 0.0
+    rho: Annotated[NotNegative, DENSITY] = 0.0
     """Density (mass per volume); needed in dynamics and under gravity."""
 
     @model_validator(mode="after")
@@ -50,7 +65,7 @@ class Shape(Material):
 
     shear_factor: Positive | None = None
     """Shear factor; the formula of the shape unless given."""
-    torsion_constant: Positive | None = None
+    torsion_constant: Annotated[Positive, SECOND_MOMENT] | None = None
     """Torsion constant (length⁴); the formula of the shape unless given."""
 
 
@@ -58,16 +73,16 @@ class Circle(Shape):
     """Solid circle."""
 
     kind: Literal["circle"]
-    radius: Positive
+    radius: Annotated[Positive, LENGTH]
 
 
 class Rectangle(Shape):
     """Solid rectangle."""
 
     kind: Literal["rectangle"]
-    width: Positive
+    width: Annotated[Positive, LENGTH]
     """Size along d1."""
-    height: Positive
+    height: Annotated[Positive, LENGTH]
     """Size along d2."""
 
 
@@ -75,9 +90,9 @@ class Tube(Shape):
     """Round tube."""
 
     kind: Literal["tube"]
-    outer: Positive
+    outer: Annotated[Positive, LENGTH]
     """Outer radius."""
-    wall: Positive
+    wall: Annotated[Positive, LENGTH]
     """Wall thickness."""
 
 
@@ -85,13 +100,13 @@ class Properties(Material):
     """Area, second moments and material, as tables of profiles give them."""
 
     kind: Literal["properties"]
-    A: Positive
+    A: Annotated[Positive, AREA]
     """Area."""
-    I1: Positive
+    I1: Annotated[Positive, SECOND_MOMENT]
     """Second moment for bending about d1, ∫ξ2² dA."""
-    I2: Positive
+    I2: Annotated[Positive, SECOND_MOMENT]
     """Second moment for bending about d2, ∫ξ1² dA."""
-    J: Positive
+    J: Annotated[Positive, SECOND_MOMENT]
     """Torsion constant."""
     shear_factor: Positive = 1.0
     """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
@@ -101,19 +116,19 @@ class Moduli(Damped):
     """Principal stiffnesses."""
 
     kind: Literal["moduli"]
-    EA: Positive
-    GA1: Positive
-    GA2: Positive
-    EI1: Positive
+    EA: Annotated[Positive, FORCE]
+    GA1: Annotated[Positive, FORCE]
+    GA2: Annotated[Positive, FORCE]
+    EI1: Annotated[Positive, BENDING]
     """Bending about d1."""
-    EI2: Positive
+    EI2: Annotated[Positive, BENDING]
     """Bending about d2."""
-    GJ: Positive
-    A_rho: NotNegative = 0.0
+    GJ: Annotated[Positive, BENDING]
+    A_rho: Annotated[NotNegative, MASS_PER_LENGTH] = 0.0
     """Mass per length."""
-    I_rho1: NotNegative = 0.0
+    I_rho1: Annotated[NotNegative, INERTIA_PER_LENGTH] = 0.0
     """∫ρ ξ1² dA, on d1 (belongs with EI2)."""
-    I_rho2: NotNegative = 0.0
+    I_rho2: Annotated[NotNegative, INERTIA_PER_LENGTH] = 0.0
     """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
 
 
@@ -125,7 +140,7 @@ class Matrix(Damped):
     """Symmetric positive definite, by rows."""
     order: Literal["shear-axial", "axial-first"]
     """Of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or the axial one first."""
-    A_rho: NotNegative = 0.0
+    A_rho: Annotated[NotNegative, MASS_PER_LENGTH] = 0.0
     """Mass per length."""
     I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
     """∫ρ ξα ξβ dA, 2×2."""
