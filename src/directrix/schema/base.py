@@ -65,7 +65,7 @@ FORCE_PER_LENGTH = Dim("a force per length", (0, 1, -2), "2 kN/m")
 FORCE_PER_AREA_LENGTH = Dim("a force per length and penetration", (-1, 1, -2), "1e6 N/m^2")
 FORCE_PER_SPEED = Dim("a force per speed", (0, 1, -1), "30 N*s/m")
 MOMENT_PER_SPIN = Dim("a moment per spin", (2, 1, -1), "0.3 N*m*s")
-DRAG = Dim("a force per length and speed²", (-1, 1, 0), "5 kg/m^2")
+DRAG = Dim("a force per length and speed²", (-2, 1, 0), "5 kg/m^2")
 SPEED = Dim("a speed", (1, 0, -1), "3 m/s")
 SPIN = Dim("an angular velocity", (0, 0, -1), "20 rpm")
 ACCELERATION = Dim("an acceleration", (1, 0, -2), "9.81 m/s^2")
@@ -78,7 +78,9 @@ Tolerance = Annotated[float, Field(gt=0.0, lt=1.0)]
 # the arrays of a file arrive as lists, which strict tuples would refuse
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Numbers = Annotated[tuple[float, ...], Field(strict=False, min_length=2)]
-_L, _V, _W = Annotated[float, LENGTH], Annotated[float, SPEED], Annotated[float, SPIN]
+_L = Annotated[float, LENGTH]
+_V = Annotated[float, SPEED]
+_W = Annotated[float, SPIN]
 Place = Annotated[tuple[_L, _L, _L], Field(strict=False)]
 Speed = Annotated[tuple[_V, _V, _V], Field(strict=False)]
 Spin = Annotated[tuple[_W, _W, _W], Field(strict=False)]

@@ -86,7 +86,8 @@ class Blame:
         return self.absorb(self.absorb(model, entries[:middle], check), entries[middle:], check)
 
 
-def _at(data: object, loc: Path) -> object:
+def _at(data: Any, loc: Path) -> Any:
+    """What is at a place of the data; None when nothing is."""
     for part in loc:
         if isinstance(data, dict):
             data = cast("dict[str, Any]", data).get(str(part))

@@ -10,18 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from directrix.actuators import PARTS
 from directrix.checks import nearest
 from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import ModelError
+from directrix.laws import stiffening_bending, tension_only
 from directrix.model import Model, Vec
 from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
 from directrix.schema.blame import Add, Blame
-from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
+from directrix.schema.functions import AlongRod, Ramp, Rotated, Route, Scaled, ScaledNumber, VectorTable, timed
 from directrix.schema.places import Path
 from directrix.section import Section
 
@@ -106,7 +108,7 @@ def entries_of(tables: m.CaseFile, blame: Blame) -> Iterator[tuple[Path, Add]]:
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
     for k, actuated in enumerate(tables.actuate):
-        yield ("actuate", k), partial(_actuate, actuated)
+        yield ("actuate", k), partial(_actuate, actuated, tables.statics is not None)
     for k, tendon in enumerate(tables.tendon):
         yield ("tendon", k), partial(_tendon, tendon)
     for k, dragged in enumerate(tables.drag):
@@ -123,15 +125,27 @@ def entries_of(tables: m.CaseFile, blame: Blame) -> Iterator[tuple[Path, Add]]:
 
 
 def _section(table: sec.Section) -> Section:
+    given = dict(_given(table))
+    if table.viscous is not None:
+        given["damping"] = np.array(given.pop("viscous"))
+    damping = given.get("damping", 0.0)
     match table:
         case sec.Circle():
-            return Section.circle(**_given(table))
+            return Section.circle(**given)
         case sec.Rectangle():
-            return Section.rectangle(**_given(table))
+            return Section.rectangle(**given)
         case sec.Tube():
-            return Section.tube(**_given(table))
+            return Section.tube(**given)
+        case sec.StiffeningBending() | sec.TensionOnly():
+            moduli = {key: given[key] for key in ("EA", "GA1", "GA2", "EI1", "EI2", "GJ")}
+            if isinstance(table, sec.TensionOnly):
+                energy = tension_only(**moduli, width=table.width)
+            else:
+                energy = stiffening_bending(**moduli, onset=table.onset)
+            inertia = np.diag([table.I_rho1, table.I_rho2])
+            return Section.hyperelastic(energy, A_rho=table.A_rho, I_rho=inertia, damping=damping)
         case sec.Moduli():
-            return Section.from_moduli(**_given(table))
+            return Section.from_moduli(**given)
         case sec.Properties():
             shear = table.shear_modulus
             return Section.from_moduli(
@@ -144,12 +158,12 @@ def _section(table: sec.Section) -> Section:
                 A_rho=table.rho * table.A,
                 I_rho1=table.rho * table.I2,
                 I_rho2=table.rho * table.I1,
-                damping=table.damping,
+                damping=damping,
             )
         case sec.Matrix():
             inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
             return Section(
-                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(table.damping)
+                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(damping)
             )
 
 
@@ -217,9 +231,14 @@ def _pressure(load: m.Pressure, model: Model) -> Model:
     return model.pressure(load.rod, value, width=load.width, along=load.along, constant=load.constant)
 
 
-def _actuate(table: m.Actuate, model: Model) -> Model:
-    parts = ((key, getattr(table, key)) for key in ("curvature", "twist", "elongation", "strain"))
-    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts if v is not None})
+def _actuate(table: m.Actuate, static: bool, model: Model) -> Model:
+    parts = [(key, v) for key in PARTS if (v := getattr(table, key)) is not None]
+    if (along := table.along) is not None:
+        # a function is taken as it is: in statics it has to ramp by itself
+        time = table.time or (Ramp(until=1.0) if static else None)
+        local = {key: AlongRod(v, along.s, along.factor, time) for key, v in parts}
+        return model.actuate(table.rod, **local, along=True)
+    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts})
 
 
 def _tendon(table: m.Tendon, model: Model) -> Model:
@@ -227,6 +246,9 @@ def _tendon(table: m.Tendon, model: Model) -> Model:
     if table.nodes is not None:
         offset = table.offsets or ((0.0, 0.0, 0.0),) * len(table.nodes)
         return model.tendon(table.nodes, tension, offset=offset, name=table.name, constant=table.constant)
+    if table.route is not None:
+        route = Route(table.route.fraction, table.route.offset)
+        return model.tendon(table.rod or "", tension, offset=route, name=table.name, constant=table.constant)
     offset = table.offset if table.offset_end is None else (table.offset, table.offset_end)
     return model.tendon(table.rod or "", tension, offset=offset, name=table.name, constant=table.constant)
 

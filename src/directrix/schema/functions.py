@@ -33,7 +33,19 @@ Vec = tuple[float, float, float]
 _A = Annotated[float, ANGLE]
 Angles = Annotated[tuple[_A, _A, _A], Field(strict=False)]
 
-__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable", "timed"]
+__all__ = [
+    "AlongRod",
+    "Pulse",
+    "Ramp",
+    "Rotated",
+    "Scaled",
+    "ScaledNumber",
+    "Sine",
+    "Table",
+    "Time",
+    "VectorTable",
+    "timed",
+]
 
 
 class Table(Strict):
@@ -45,7 +57,7 @@ class Table(Strict):
 
     @model_validator(mode="after")
     def _table(self) -> Self:
-        _check_table(self.t, self.value)
+        check_table(self.t, self.value)
         return self
 
     def __call__(self, t: float) -> float:
@@ -139,7 +151,7 @@ class VectorTable(Strict):
 
     @model_validator(mode="after")
     def _table(self) -> Self:
-        _check_table(self.t, self.value)
+        check_table(self.t, self.value)
         return self
 
     def __call__(self, t: float) -> Array:
@@ -158,12 +170,40 @@ class TurnTable(VectorTable):
     value: Annotated[tuple[Angles, ...], Field(strict=False, min_length=2)]
 
 
-def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
+def check_table(t: tuple[float, ...], value: tuple[Any, ...], key: str = "t", other: str = "value") -> None:
+    """Refuse a table whose columns have not the same length, or whose first one does not increase."""
     if len(t) != len(value):
-        raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
+        raise refuse(f"{key} has {len(t)} entries and {other} has {len(value)}", f"give one {other} for every {key}")
     for k, (a, b) in enumerate(pairwise(t), 1):
         if b <= a:
-            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k)
+            raise refuse(
+                f"{key} must increase, but {b:g} follows {a:g}", "sort the table, drop what is repeated", key, k
+            )
+
+
+@dataclass(frozen=True)
+class AlongRod:
+    """A number or a vector times a factor of the arclength and one of time, as ``Model.actuate`` calls it."""
+
+    value: float | tuple[float, ...]
+    s: tuple[float, ...]
+    along: tuple[float, ...]
+    factor: Time | None
+
+    def __call__(self, t: float, s: float) -> Array:
+        there = float(np.interp(s, self.s, self.along))
+        return (1.0 if self.factor is None else self.factor(t)) * there * np.array(self.value)
+
+
+@dataclass(frozen=True)
+class Route:
+    """Where a tendon runs (2,), by the fraction of arclength."""
+
+    fraction: tuple[float, ...]
+    offset: tuple[tuple[float, float], ...]
+
+    def __call__(self, fraction: float) -> Array:
+        return np.array([np.interp(fraction, self.fraction, column) for column in zip(*self.offset, strict=True)])
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from directrix import checks, controls
 from directrix.errors import InputError, ModelError
+from directrix.findings import Finding
 from directrix.model import Model
 from directrix.schema.blame import Blame, at_entry, placed
 from directrix.schema.build import build_control, build_model, entries_of
@@ -30,18 +31,20 @@ from directrix.schema.models import (
     Units,
 )  # fmt: skip
 from directrix.schema.places import Path
+from directrix.schema.plausible import plausible
 from directrix.schema.text import parse, read
 from directrix.schema.units import SI, UnitSet, unit
-from directrix.schema.versions import migrated
+from directrix.schema.versions import FORMAT, migrated
 
 if TYPE_CHECKING:
     from directrix.controls import Control
     from directrix.discretisation import Discretisation
-    from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
     from directrix.result import Result
 
-__all__ = ["Case", "json_schema", "load_case"]
+__all__ = ["SCHEMA_ID", "Case", "json_schema", "load_case"]
+
+SCHEMA_ID = f"urn:directrix:case:{FORMAT}"
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,7 @@ class Case:
     source : the file
     sha256 : of the file's bytes
     units : what its plain numbers are in
+    warnings : what is likely not meant
     """
 
     title: str
@@ -68,6 +72,7 @@ class Case:
     source: pathlib.Path
     sha256: str
     units: UnitSet = SI
+    warnings: tuple[Finding, ...] = ()
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
@@ -89,7 +94,7 @@ class Case:
     def findings(self) -> tuple[Finding, ...]:
         """What may be wrong with the case, though it can be run. Raises ModelError."""
         static = isinstance(self.analysis, Statics)
-        return self.model.check(static=static, dynamic=not static)
+        return *self.warnings, *self.model.check(static=static, dynamic=not static)
 
     @property
     def control(self) -> Control | None:
@@ -109,6 +114,8 @@ class Case:
                 control=self.control,
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
+                rotation=do.rotation,
+                stability=do.stability,
                 save_every=save_every,
                 progress=progress,
             )
@@ -134,6 +141,21 @@ class Case:
         from directrix.integrators import BY_NAME
 
         return BY_NAME[do.integrator](**do.parameters)
+
+    @property
+    def duration(self) -> float:
+        """Time, or load factor, up to which its loads are followed."""
+        return self.analysis.t_end if isinstance(self.analysis, Dynamics) else 1.0
+
+    @property
+    def steps(self) -> int:
+        """Steps asked for; of a path followed by its length, the most that it may take."""
+        do = self.analysis
+        if isinstance(do, Dynamics):
+            return round(do.t_end / do.dt)
+        if do.control is None:
+            return do.steps
+        return do.control.max_steps if isinstance(do.control, ArcLength) else do.control.steps
 
     @property
     def scheme(self) -> str:
@@ -175,7 +197,9 @@ def load_case(path: str | PathLike[str]) -> Case:
         analysis = tables.statics or tables.dynamics
         assert analysis is not None  # one of them, says the schema
         sha = hashlib.sha256(raw).hexdigest()
-        case = Case(title, tables.description, model, analysis, tables.output, file, sha, units)
+        case = Case(
+            title, tables.description, model, analysis, tables.output, file, sha, units, plausible(tables, model, units)
+        )
         try:
             disc = case.check()
         except ModelError as error:
@@ -309,4 +333,5 @@ def _check_control(control: Control | None, disc: Discretisation, table: ArcLeng
 
 def json_schema() -> dict[str, Any]:
     """The JSON schema of a case file, for editors and for other programs."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **CaseFile.model_json_schema()}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID}
+    return {**head, **CaseFile.model_json_schema()}

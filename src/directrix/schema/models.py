@@ -5,7 +5,7 @@ Units are whatever consistent set the user works in; angles are in radians unles
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self, TypeVar
+from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -29,6 +29,7 @@ from directrix.schema.base import (
     TIME,
     Name,
     NotNegative,
+    Numbers,
     Place,
     Places,
     Positive,
@@ -39,7 +40,7 @@ from directrix.schema.base import (
     Vector,
     refuse,
 )
-from directrix.schema.functions import Angles, PlaceTable, Time, TurnTable, VectorTable
+from directrix.schema.functions import Angles, PlaceTable, Time, TurnTable, VectorTable, check_table
 from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
 
@@ -50,12 +51,17 @@ def _vector_or_table(value: object) -> str:
     return "table" if isinstance(value, dict | VectorTable) else "vector"
 
 
-V, T = TypeVar("V"), TypeVar("T")
-Either = Annotated[Annotated[V, Tag("vector")] | Annotated[T, Tag("table")], Discriminator(_vector_or_table)]
-
-
-_F, _M, _Q = Annotated[float, FORCE], Annotated[float, MOMENT], Annotated[float, FORCE_PER_LENGTH]
-_G, _I = Annotated[float, ACCELERATION], Annotated[float, INERTIA]
+Displacement = Annotated[
+    Annotated[Place, Tag("vector")] | Annotated[PlaceTable, Tag("table")], Discriminator(_vector_or_table)
+]
+Turning = Annotated[
+    Annotated[Angles, Tag("vector")] | Annotated[TurnTable, Tag("table")], Discriminator(_vector_or_table)
+]
+_F = Annotated[float, FORCE]
+_M = Annotated[float, MOMENT]
+_Q = Annotated[float, FORCE_PER_LENGTH]
+_G = Annotated[float, ACCELERATION]
+_I = Annotated[float, INERTIA]
 Forces = Annotated[tuple[_F, _F, _F], Field(strict=False)]
 Moments = Annotated[tuple[_M, _M, _M], Field(strict=False)]
 LineLoads = Annotated[tuple[_Q, _Q, _Q], Field(strict=False)]
@@ -182,9 +188,9 @@ class Prescribe(Strict):
     """A node that is moved: displacement and rotation vector from the reference, a rigid turn on top."""
 
     node: Name
-    displacement: Either[Place, PlaceTable] | None = None
+    displacement: Displacement | None = None
     """Vector (times ``time``), or a table ``{ t = […], value = [[…], …] }``."""
-    rotation: Either[Angles, TurnTable] | None = None
+    rotation: Turning | None = None
     """Rotation vector in radians (times ``time``), or a table."""
     turn: Turn | None = None
     """Rigid turn that follows the displacement."""
@@ -342,6 +348,34 @@ Pair = tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]]
 Curvatures = tuple[Annotated[float, CURVATURE], Annotated[float, CURVATURE]]
 
 
+class Along(Strict):
+    """A factor along a rod, piecewise linear, constant before the first and after the last place."""
+
+    s: Annotated[tuple[Annotated[float, LENGTH], ...], Field(strict=False, min_length=2)]
+    """Arclengths from the start of the rod."""
+    factor: Numbers
+    """One for each."""
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        check_table(self.s, self.factor, "s", "factor")
+        return self
+
+
+class OffsetTable(Strict):
+    """Where a tendon runs, piecewise linear along its rod."""
+
+    fraction: Numbers
+    """Of the arclength."""
+    offset: Annotated[tuple[Annotated[Pair, Field(strict=False)], ...], Field(strict=False, min_length=2)]
+    """Distance from the axis along d1 and d2, one pair for each."""
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        check_table(self.fraction, self.offset, "fraction", "offset")
+        return self
+
+
 class Actuate(Strict):
     """Strain at which a rod is without stress; what is given adds up."""
 
@@ -352,6 +386,8 @@ class Actuate(Strict):
     elongation: float | None = None
     strain: Annotated[tuple[float, float, float, float, float, float], Field(strict=False)] | None = None
     """Shear 1, shear 2, axial, bending 1, bending 2, torsion."""
+    along: Along | None = None
+    """Factor along the rod."""
     time: Time | None = None
     """Factor of time; statics ramps with the load factor unless given."""
 
@@ -370,6 +406,8 @@ class Tendon(Strict):
     """Along a rod: distance from the axis along d1 and d2."""
     offset_end: Annotated[Pair, Field(strict=False)] | None = None
     """The same at the end of the rod, linear between; ``offset`` unless given."""
+    route: OffsetTable | None = None
+    """Along a rod: where it runs, in place of offset and offset_end."""
     offsets: Places | None = None
     """Through nodes: from each node to its point, in the reference."""
     time: Time | None = None
@@ -383,6 +421,10 @@ class Tendon(Strict):
             raise refuse("a tendon needs either rod or nodes", "name the rod it goes along, or the nodes")
         if self.offsets is not None and self.rod is not None:
             raise refuse("offsets belong to nodes", "a tendon along a rod has offset and offset_end", "offsets")
+        if self.route is not None and (self.rod is None or {"offset", "offset_end"} & self.model_fields_set):
+            raise refuse(
+                "route is all that is said of where a tendon along a rod runs", "leave the others out", "route"
+            )
         return self
 
 
@@ -584,6 +626,10 @@ class Statics(Strict):
     """What drives the path in place of the load factor."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
+    rotation: Literal["exponential", "cayley"] = "exponential"
+    """Update of the rotations in an iteration; both reach the same state."""
+    stability: bool | None = None
+    """Count the negative pivots at every saved state and look for critical points; with a control unless said."""
 
     @model_validator(mode="after")
     def _one_drive(self) -> Self:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from directrix.schema.base import (
     AREA,
     BENDING,
+    CURVATURE,
     DENSITY,
     FORCE,
     INERTIA_PER_LENGTH,
@@ -23,7 +24,19 @@ from directrix.schema.base import (
     refuse,
 )
 
-__all__ = ["Circle", "Material", "Matrix", "Moduli", "Properties", "Rectangle", "Section", "Shape", "Tube"]
+__all__ = [
+    "Circle",
+    "Material",
+    "Matrix",
+    "Moduli",
+    "Properties",
+    "Rectangle",
+    "Section",
+    "Shape",
+    "StiffeningBending",
+    "TensionOnly",
+    "Tube",
+]
 
 Row2 = Annotated[tuple[float, float], Field(strict=False)]
 Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
@@ -34,6 +47,14 @@ class Damped(Strict):
 
     damping: Annotated[NotNegative, TIME] = 0.0
     """Kelvin–Voigt damping: viscous matrix over stiffness, a time. Used in dynamics."""
+    viscous: Annotated[tuple[Row6, Row6, Row6, Row6, Row6, Row6], Field(strict=False)] | None = None
+    """The viscous matrix itself, 6×6, in place of ``damping``; rows in the order of the stiffness."""
+
+    @model_validator(mode="after")
+    def _one_damping(self) -> Self:
+        if self.viscous is not None and "damping" in self.model_fields_set:
+            raise refuse("damping and viscous both say how it is damped", "keep one", "viscous")
+        return self
 
 
 class Material(Damped):
@@ -132,6 +153,22 @@ class Moduli(Damped):
     """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
 
 
+class StiffeningBending(Moduli):
+    """Bending that stiffens exponentially, as rubbers and tissues do; linear in all else."""
+
+    kind: Literal["stiffening-bending"]  # pyright: ignore[reportIncompatibleVariableOverride]
+    onset: Annotated[Positive, CURVATURE]
+    """Curvature at which the moment is e times the linear one."""
+
+
+class TensionOnly(Moduli):
+    """A cable: next to no axial force in compression, with a smooth change; linear in all else."""
+
+    kind: Literal["tension-only"]  # pyright: ignore[reportIncompatibleVariableOverride]
+    width: Positive
+    """Axial strain over which the change is smooth."""
+
+
 class Matrix(Damped):
     """Full 6×6 stiffness."""
 
@@ -146,4 +183,7 @@ class Matrix(Damped):
     """∫ρ ξα ξβ dA, 2×2."""
 
 
-Section = Annotated[Circle | Rectangle | Tube | Properties | Moduli | Matrix, Field(discriminator="kind")]
+Section = Annotated[
+    Circle | Rectangle | Tube | Properties | Moduli | StiffeningBending | TensionOnly | Matrix,
+    Field(discriminator="kind"),
+]

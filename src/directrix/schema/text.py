@@ -79,9 +79,10 @@ def parse(file: Path, raw: bytes) -> tuple[Source, tuple[InputError, ...]]:
         raise InputError(
             "the top of the file is not a table", "write an object in braces { … }", f"{file}:1:1", "DX113"
         )
-    _shallow(file, data)
+    tables = cast("dict[str, Any]", data)
+    _shallow(file, tables)
     spots = toml_places(text) if toml else json_places(text)
-    return Source(str(file), cast("dict[str, Any]", data), spots), tuple(noted)
+    return Source(str(file), tables, spots), tuple(noted)
 
 
 def _try(file: Path, text: str, toml: bool) -> tuple[Any, tuple[InputError, int] | None]:
