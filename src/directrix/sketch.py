@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 __all__ = ["sketch"]
 
 LOAD, MOMENT, MOVED = XYZ[0], "#a02c8c", XYZ[1]
+NAMED_AT = 0.4  # of its axis: in the middle there may be a node
 COMB = 9  # arrows of a load along a rod
 SIDES = {"d1": (0, 1.0), "d2": (1, 1.0), "-d1": (0, -1.0), "-d2": (1, -1.0)}
 
@@ -47,7 +48,7 @@ def sketch(disc: Discretisation, path: Path, t_end: float = 1.0) -> Path:
 
 def _stage(disc: Discretisation, plt: Any) -> Stage:
     """Flat where the model and all that acts on it lie in a coordinate plane, else in space."""
-    figure = plt.figure(figsize=(7.2, 6.2), layout="constrained")
+    figure = plt.figure(figsize=(8.4, 6.2), layout="constrained")
     points = [disc.mesh.r0, *(_ground(disc.model))]
     span = np.ptp(np.concatenate(points), axis=0)
     acts = np.array([v for v in _directions(disc.model) if v.shape == (3,)]).reshape(-1, 3)
@@ -107,7 +108,7 @@ class _Sketch:
         self.loads()
         self.names()
         if self.said:
-            self.stage.ax.legend(loc="upper left", fontsize=8, frameon=False, handlelength=1.4)
+            self.stage.ax.figure.legend(loc="outside right upper", fontsize=8, frameon=False, handlelength=1.4)
 
     def mark(self, points: Array, label: str, **style: Any) -> None:
         """A sign at (k, 3) points, in the legend once."""
@@ -115,22 +116,22 @@ class _Sketch:
         self.said.add(label)
         self.stage.line(np.atleast_2d(points), **{"ls": "", "zorder": 6, **style, **once})
 
-    def arrows(self, feet: Array, vectors: Array, colour: str, label: str, heads: bool = True) -> None:
-        """Arrows (k, 3) that end at their points."""
+    def arrows(self, tips: Array, vectors: Array, colour: str, label: str) -> None:
+        """Arrows (k, 3) that end at their tips."""
         if not np.any(vectors):
             return
-        tails = [(feet - vectors)[:, i] for i in self.stage.shown]
+        tails = [(tips - vectors)[:, i] for i in self.stage.shown]
         along = [vectors[:, i] for i in self.stage.shown]
         pen = self.stage.ax
         if len(self.stage.shown) == 3:
             pen.quiver(*tails, *along, color=colour, lw=1.6, arrow_length_ratio=0.28, zorder=7)
-            self.stage.line(feet - vectors, ls="", marker="", color=colour)  # quivers do not widen the axes
+            self.stage.line(tips - vectors, ls="", marker="", color=colour)  # quivers do not widen the axes
         else:
             pen.quiver(
                 *tails, *along, color=colour, angles="xy", scale_units="xy", scale=1, width=0.006, zorder=7, headwidth=4
             )
             pen.plot(*tails, ls="", marker="")
-        self.mark(feet[:1] * np.nan, label, marker=r"$\rightarrow$", ms=11, color=colour)
+        self.mark(tips[:1] * np.nan, label, marker=r"$\rightarrow$", ms=11, color=colour)
 
     def supports(self) -> None:
         held: dict[str, set[str]] = {}
@@ -203,7 +204,7 @@ class _Sketch:
                         self.arrows(top[None], 0.14 * self.size * _unit(g)[None], GREY, "gravity")
         looks = {
             Force: (LOAD, "force", 0.2), Moment: (MOMENT, "moment (about its arrow)", 0.16),
-            Distributed: (LOAD, "load along a rod", 0.1), Pressure: (ORANGE, "pressure", 0.1),
+            Distributed: ("#e2837c", "load along a rod", 0.1), Pressure: (ORANGE, "pressure", 0.1),
         }  # fmt: skip
         for kind, drawn in kinds.items():
             colour, label, length = looks[kind]
@@ -217,23 +218,31 @@ class _Sketch:
                     sense = (v[0, out[0]] > 0.0) != (out[0] == 1)  # x to the right, z up: y points into the page
                     self.mark(feet, "moment", marker=r"$\circlearrowleft$" if sense else r"$\circlearrowright$", ms=18,
                               color=MOMENT)  # fmt: skip
-                else:
-                    self.arrows(feet, arrows, colour, label)
+                else:  # forces push at their node, moments start from it, so that both can be seen
+                    self.arrows(feet + arrows if kind is Moment else feet, arrows, colour, label)
 
     def _comb(self, rod: Any) -> tuple[Array, Array]:
         """Points along a rod and their frames."""
-        at = np.unique(np.rint(np.linspace(0, len(rod.nodes) - 1, COMB)).astype(int))
-        return self.r0[rod.nodes][at], rod.directors[at]
+        at = np.linspace(0.0, float(rod.s[-1]), COMB)
+        points = np.stack([np.interp(at, rod.s, column) for column in self.r0[rod.nodes].T], axis=1)
+        return points, rod.directors[np.abs(np.subtract.outer(at, rod.s)).argmin(axis=1)]
 
     def names(self) -> None:
         if len(self.places) <= NAMES_AT_MOST:
+            there: list[tuple[Array, list[str]]] = []  # nodes at one place, as those of a joint, share a label
             for name, place in self.places.items():
+                shared = [label for other, label in there if np.abs(other - place).max() <= 1e-6 * self.size]
+                if shared:
+                    shared[0].append(name)
+                else:
+                    there.append((place, [name]))
+            for place, label in there:
                 self.mark(place, "node", marker="o", ms=4, color=INK)
-                self.write(place, name, INK, weight="bold")
+                self.write(place, ", ".join(label), INK, weight="bold")
         if len(self.disc.mesh.rods) <= NAMES_AT_MOST:
             for rod in self.disc.mesh.rods:
-                middle = axis_line(rod, self.r0)
-                self.write(middle[len(middle) // 2], rod.name, BLUE, style="italic")
+                axis = axis_line(rod, self.r0)
+                self.write(axis[int(NAMED_AT * (len(axis) - 1))], rod.name, BLUE, style="italic")
 
     def write(self, place: Array, text: str, colour: str, **style: Any) -> None:
         spot = [float(place[i]) for i in self.stage.shown]
