@@ -106,9 +106,9 @@ def _names(loc: Path, table: object) -> set[str]:
     given = cast("dict[str, Any]", table)
     if loc[0] == "rod":
         name, ends, nodes = given.get("name"), given.get("ends"), given.get("nodes")
-        out = {name, f"{name}.start", f"{name}.end"}
-        out |= set(cast("list[Any]", ends)) if _texts(ends) else set()
-        out |= set(cast("dict[str, Any]", nodes)) if isinstance(nodes, dict) else set()
+        out: list[Any] = [name, f"{name}.start", f"{name}.end"]
+        out += cast("list[Any]", ends) if isinstance(ends, list) else []
+        out += list(cast("dict[str, Any]", nodes)) if isinstance(nodes, dict) else []
         return {n for n in out if isinstance(n, str)}
     if loc[0] == "node":
         return {n for n in [given.get("name")] if isinstance(n, str)}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from math import radians
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -173,15 +173,25 @@ def _given(table: Strict) -> Mapping[str, Any]:
 
 
 def _curve(rod: m.Rod) -> Curve:
-    if rod.line is not None:
-        return line(*rod.line, directors=rod.directors, d1=rod.d1)
-    if rod.arc is not None:
-        return arc(rod.arc.start, rod.arc.through, rod.arc.end, directors=rod.directors, d1=rod.d1)
-    if rod.helix is not None:
-        return helix(**_given(rod.helix), directors=rod.directors, d1=rod.d1)
-    if rod.polyline is not None:
-        return polyline(rod.polyline, directors=rod.directors, d1=rod.d1)
-    return spline(rod.spline or (), directors=rod.directors, d1=rod.d1)
+    key = next(key for key in m.CURVES if getattr(rod, key) is not None)
+    value = getattr(rod, key)
+    given = tuple(_given(value).items()) if isinstance(value, Strict) else value
+    return _made(key, given, rod.directors, rod.d1)
+
+
+@lru_cache(maxsize=256)  # the entries of a file are built again where one is looked for that does not fit
+def _made(key: str, given: Any, directors: Literal["tangent", "chord"], d1: Vec | None) -> Curve:
+    match key:
+        case "line":
+            return line(*given, directors=directors, d1=d1)
+        case "arc":
+            return arc(**dict(given), directors=directors, d1=d1)
+        case "helix":
+            return helix(**dict(given), directors=directors, d1=d1)
+        case "polyline":
+            return polyline(given, directors=directors, d1=d1)
+        case _:
+            return spline(given, directors=directors, d1=d1)
 
 
 def _rod(rod: m.Rod, sections: Mapping[str, Section], model: Model) -> Model:

@@ -13,7 +13,9 @@ from directrix.errors import InputError
 from directrix.schema.places import Path, Spot
 from directrix.schema.units import meant, quantity
 
-__all__ = ["Source", "explain"]
+__all__ = ["Source", "explain", "together"]
+
+LOOKED_AT = 200  # mistakes of one file
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[Base
     """One error with all that pydantic reported, in the order of the file."""
     # pydantic counts the entries of a list that are good; one that has enough was reported already
     real = [e for e in errors if e["type"] != "too_short" or len(e["input"]) < e["ctx"]["min_length"]]
+    real = real[:LOOKED_AT]
     # a misspelt key is the likely cause of the missing one beside it
     meant_keys = {
         (*e["loc"][:-1], near)
