@@ -221,7 +221,12 @@ def check(
     if picture is not None or can_draw():
         from directrix.sketch import sketch
 
-        print(f"wrote {sketch(case.check(), picture or case_file.with_suffix('.png'), case.duration)}")
+        try:
+            print(f"wrote {sketch(case.check(), picture or case_file.with_suffix('.png'), case.duration)}")
+        except InputError as error:
+            if picture is not None:
+                raise
+            print(f"no picture: {error.what}")  # a folder where nothing may be written is no fault of the case
     else:
         print('no picture: matplotlib is missing; pip install "directrix[plot]"')
 
@@ -246,7 +251,7 @@ def new(
             print(f"{key:<12} {tomllib.loads(text)['title']}: {text.splitlines()[0].lstrip('# ')}")
         return
     if template is None:
-        if not sys.stdin.isatty():
+        if not asks():
             raise ModelError(
                 "there is no terminal to ask which template to begin with",
                 f"add --template, one of {', '.join(known)}",
@@ -433,6 +438,11 @@ def paper(
         raise InputError("there is no such folder", "make it, or name another file with --out", str(out.parent))
     out.write_text(report(quick, lambda title: print(title, flush=True)), encoding="utf-8")
     print(f"wrote {out}")
+
+
+def asks() -> bool:
+    """True where somebody can answer."""
+    return sys.stdin.isatty()
 
 
 def _load(path: Path) -> tuple[Result, Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,7 @@ def sketch(disc: Discretisation, path: Path, t_end: float = 1.0) -> Path:
     Raises ModelError when matplotlib is missing or the picture cannot be written.
     """
     plt = pyplot()
-    formats = plt.figure().canvas.get_supported_filetypes()
-    plt.close()
+    formats: Any = import_module("matplotlib.backend_bases").FigureCanvasBase.get_supported_filetypes()
     if path.suffix.lstrip(".").lower() not in formats:
         raise InputError("is no picture that can be written", f"use one of the endings {', '.join(formats)}", str(path))
     stage = _stage(disc, plt)

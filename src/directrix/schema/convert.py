@@ -11,6 +11,7 @@ from typing import Any
 
 from directrix.errors import InputError, ModelError
 from directrix.schema.load import load_case
+from directrix.schema.places import has_comments
 from directrix.schema.text import parse, read
 
 __all__ = ["convert"]
@@ -38,7 +39,7 @@ def convert(source: Path, target: Path) -> bool:
     if endings[1] == ".json":
         named = DIRECTIVE.search(text)
         out = _json({**({"$schema": named[1]} if named else {}), **data})
-        lost = bool(re.search(r"(?m)^[^\"']*#(?!:schema)", text))
+        lost = has_comments(text)
     else:
         named = data.pop("$schema", None)
         out = (f"#:schema {named}\n" if named else "") + _toml(data)

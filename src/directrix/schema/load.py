@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
@@ -180,7 +181,11 @@ def load_case(path: str | PathLike[str]) -> Case:
     Raises InputError for anything that cannot be right in the file or the model: all that is wrong at once, each with
     file, line, column and key in its ``mistakes``.
     """
-    file = checks.file(path, "path")
+    with np.errstate(all="ignore"):  # what overflows is refused for what comes of it
+        return _load(checks.file(path, "path"))
+
+
+def _load(file: pathlib.Path) -> Case:
     raw = read(file)
     source, noted = parse(file, raw)
     source = replace(source, data=migrated(source))

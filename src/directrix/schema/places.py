@@ -13,9 +13,7 @@ from typing import NamedTuple
 
 Path = tuple[str | int, ...]
 
-__all__ = ["Path", "Spot", "json_places", "toml_places"]
-
-MOST_PARTS = 50  # of a dotted key
+__all__ = ["Path", "Spot", "has_comments", "json_places", "toml_places"]
 
 
 class Spot(NamedTuple):
@@ -148,6 +146,11 @@ class _Toml:
 def toml_places(text: str) -> Mapping[Path, Spot]:
     """Place of every key, table and list item of valid TOML, by its path from the top."""
     return _Toml(text).document()
+
+
+def has_comments(text: str) -> bool:
+    """True when valid TOML has a comment other than the schema it names."""
+    return any(t.kind == "comment" and not t.text.startswith("#:schema") for t in _tokens(_TOML, text))
 
 
 def json_places(text: str) -> Mapping[Path, Spot]:
