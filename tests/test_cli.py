@@ -25,7 +25,7 @@ from directrix.schema import Case, load_case
 from directrix.storage import load
 
 HERE = Path(__file__).parent
-COMMANDS = {"verify", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor"}
+COMMANDS = {"new", "convert", "verify", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor"}
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 SAFE = "-m", "directrix"
 

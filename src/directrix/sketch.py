@@ -14,6 +14,7 @@ from directrix.discretisation import Discretisation
 from directrix.drawing import BLUE, GHOST, GREY, INK, NAMES_AT_MOST, ORANGE, XYZ, Stage, axis_line, plain, pyplot
 from directrix.errors import InputError
 from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure
+from directrix.result import RodMesh
 
 Array = NDArray[np.float64]
 
@@ -221,10 +222,11 @@ class _Sketch:
                 else:  # forces push at their node, moments start from it, so that both can be seen
                     self.arrows(feet + arrows if kind is Moment else feet, arrows, colour, label)
 
-    def _comb(self, rod: Any) -> tuple[Array, Array]:
+    def _comb(self, rod: RodMesh) -> tuple[Array, Array]:
         """Points along a rod and their frames."""
         at = np.linspace(0.0, float(rod.s[-1]), COMB)
-        points = np.stack([np.interp(at, rod.s, column) for column in self.r0[rod.nodes].T], axis=1)
+        nodal: Array = self.r0[rod.nodes]
+        points = np.stack([np.interp(at, rod.s, nodal[:, i]) for i in range(3)], axis=1)
         return points, rod.directors[np.abs(np.subtract.outer(at, rod.s)).argmin(axis=1)]
 
     def names(self) -> None:

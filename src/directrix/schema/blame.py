@@ -88,13 +88,14 @@ class Blame:
 
 def _at(data: Any, loc: Path) -> Any:
     """What is at a place of the data; None when nothing is."""
+    found: Any = data
     for part in loc:
-        if isinstance(data, dict):
-            data = cast("dict[str, Any]", data).get(str(part))
-        elif isinstance(data, list) and isinstance(part, int):
-            items = cast("list[Any]", data)
-            data = items[part] if part < len(items) else None
-    return data
+        if isinstance(found, dict):
+            found = cast("dict[str, Any]", found).get(str(part))
+        elif isinstance(found, list) and isinstance(part, int):
+            items = cast("list[Any]", found)
+            found = items[part] if part < len(items) else None
+    return cast("Any", found)
 
 
 def _names(loc: Path, table: object) -> set[str]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi, sqrt
+from typing import cast
 
 import numpy as np
 
 from directrix.findings import Finding
-from directrix.model import Gravity, Model
+from directrix.model import Gravity, Model, Vec
 from directrix.schema import functions as f
 from directrix.schema import models as m
 from directrix.schema.joints import Driven, Hinge
@@ -67,7 +68,7 @@ def _materials(tables: m.CaseFile, units: UnitSet) -> Iterator[Finding]:
 def _gravity(model: Model, units: UnitSet) -> Iterator[Finding]:
     for load in model.loads:
         if isinstance(load, Gravity) and isinstance(load.value, tuple):
-            g = float(np.linalg.norm(load.value)) * units.size((1, 0, -2))
+            g = float(np.linalg.norm(np.array(cast("Vec", load.value)))) * units.size((1, 0, -2))
             for factor, said in ((1e-3, "a thousandth"), (1e3, "a thousand times")):
                 if abs(g - factor * STANDARD) < 0.02 * factor * STANDARD:
                     yield _warn(
