@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi, sqrt
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -67,8 +67,8 @@ def _materials(tables: m.CaseFile, units: UnitSet) -> Iterator[Finding]:
 
 def _gravity(model: Model, units: UnitSet) -> Iterator[Finding]:
     for load in model.loads:
-        if isinstance(load, Gravity) and isinstance(load.value, tuple):
-            g = float(np.linalg.norm(np.array(cast("Vec", load.value)))) * units.size((1, 0, -2))
+        if isinstance(load, Gravity) and not callable(load.value):
+            g = float(np.linalg.norm(np.array(cast("Vec", cast("Any", load).value)))) * units.size((1, 0, -2))
             for factor, said in ((1e-3, "a thousandth"), (1e3, "a thousand times")):
                 if abs(g - factor * STANDARD) < 0.02 * factor * STANDARD:
                     yield _warn(

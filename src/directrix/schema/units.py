@@ -29,7 +29,7 @@ COMMON = (
 )  # fmt: skip
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμΩ°%].*?)\s*", re.DOTALL)
 _POWER_OF_TEN = re.compile(r"[+-]?[\d_.,]+[eE][+-]?\d+")
-_FACTOR = re.compile(r"([*/·⋅ ]?)\s*([A-Za-zµμΩ°%]+)(?:(?:\^|\*\*)?(-?\d)(?!\d)|([²³⁴]))?\s*")
+_FACTOR = re.compile(r"(\s*[*/·⋅]\s*|\s+|)([A-Za-zµμΩ°%]+)(?:(?:\^|\*\*)?(-?\d)(?!\d)|([²³⁴]))?")
 _UP = {"²": 2, "³": 3, "⁴": 4}
 _ANGLES = {"deg": pi / 180.0, "degree": pi / 180.0, "degrees": pi / 180.0, "°": pi / 180.0, "rad": 1.0, "turn": 2 * pi}
 
@@ -109,6 +109,7 @@ def _named(name: str) -> tuple[float, Exponents]:
 
 def unit(text: str) -> tuple[float, Exponents]:
     """A unit with products and powers, e.g. kg/m^3: its size in SI and its powers. Raises a pydantic error."""
+    text = text.strip()
     at, size, powers = 0, 1.0, [0, 0, 0]
     while at < len(text):
         found = _FACTOR.match(text, at)
@@ -117,7 +118,7 @@ def unit(text: str) -> tuple[float, Exponents]:
                 "DX302", f"the unit {text!r} cannot be read", "write units as in N/m^2, kg*m^2, kg/m/s: no parentheses"
             )
         one, own = _named(found[2])
-        power = int(found[3] or _UP.get(found[4] or "", 1)) * (-1 if found[1] == "/" else 1)
+        power = int(found[3] or _UP.get(found[4] or "", 1)) * (-1 if "/" in found[1] else 1)
         try:
             size *= one**power
         except OverflowError:
