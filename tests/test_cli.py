@@ -26,7 +26,8 @@ from directrix.storage import load
 
 HERE = Path(__file__).parent
 COMMANDS = {
-    "export", "verify", "movie", "paper", "run", "check", "info", "plot", "view", "examples", "schema", "doctor",
+    "new", "convert", "export", "verify", "movie", "paper", "run", "check", "info", "plot", "view", "examples",
+    "schema", "doctor",
 }  # fmt: skip
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 SAFE = "-m", "directrix"
@@ -212,7 +213,7 @@ def test_a_wrong_case_is_two_lines_and_code_2(command: str, tmp_path: Path) -> N
     args = [command, path, *(["--out", tmp_path / "out"] if command == "run" else [])]
     code, out, err = run(*args)
     assert (code, out) == (2, "")
-    assert err.startswith(f"error: {path}:18: rod[arm].elemnts: unknown key") and "fix: did you mean" in err
+    assert err.startswith(f"error: {path}:18:1: rod[arm].elemnts: unknown key") and "fix: did you mean" in err
     assert "Traceback" not in err
     assert not (tmp_path / "out").exists()
 

@@ -71,7 +71,7 @@ def test_the_page_on_case_files_is_right(tmp_path: Path) -> None:
     file.write_text(case, "utf-8")
     assert load_case(file).run().success
     rows = re.findall(r"^\| (`.*?`) \|", page, re.MULTILINE)
-    tables = {name.split(".")[0] for row in rows for name in re.findall(r"`([\w.]+)`", row)}
+    tables = {name.split(".")[0] for row in rows for name in re.findall(r"`([\w.$]+)`", row)}
     assert tables == set(json_schema()["properties"])
 
 

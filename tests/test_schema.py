@@ -234,25 +234,25 @@ def test_a_wrong_file_is_refused_at_its_place(path: Path) -> None:
         ("none.toml", None, "no such file"),
         ("folder.toml", "folder", "a folder, not a case file"),
         ("case.txt", b"", "not a case file"),
-        ("latin.toml", b'title = "ok"\nx = "\xe9"\n', "latin.toml:2: is not UTF-8"),
-        ("empty.toml", b"# later\n", "empty.toml:1: the case is empty"),
-        ("empty.json", b"", "empty.json:1: the case is empty"),
-        ("empty.json", b"{ }", "empty.json:1: the case is empty"),
+        ("latin.toml", b'title = "ok"\nx = "\xe9"\n', "latin.toml:2:6: is not UTF-8"),
+        ("empty.toml", b"# later\n", "empty.toml:1:1: the case is empty"),
+        ("empty.json", b"", "empty.json:1:1: the case is empty"),
+        ("empty.json", b"{ }", "empty.json:1:1: the case is empty"),
         (
             "long.toml",
             b"[[rod]]\norder = " + b"9" * 25,
-            "long.toml:2: rod[#1].order: is 9999999999999999999999999, but",
+            "long.toml:2:1: rod[#1].order: is 9999999999999999999999999, but",
         ),
         ("list.json", b"[1, 2]", "the top of the file is not a table"),
-        ("broken.json", b'{\n "title": "x",\n}', "broken.json:3: not valid JSON"),
+        ("broken.json", b'{\n "title": "x",\n}', "broken.json:3:1: not valid JSON"),
         ("twice.json", b'{"title": "x", "title": "y"}', "the key 'title' is given twice"),
-        ("nan.json", b'{\n"output": {\n"save_every": NaN}}', "nan.json:3: output.save_every: is nan"),
+        ("nan.json", b'{\n"output": {\n"save_every": NaN}}', "nan.json:3:1: output.save_every: is nan"),
         ("deep.json", b"[" * 100_000, "nested too deeply"),
         ("digits.toml", b"x = " + b"9" * 5000, "thousands of digits"),
         (
             "huge.toml",
             b"[output]\nsave_every = 0x" + b"f" * 9000,
-            "huge.toml:2: output.save_every: is a huge number",
+            "huge.toml:2:1: output.save_every: is a huge number",
         ),
     ],
 )
@@ -272,7 +272,7 @@ def test_windows_line_ends_and_a_byte_order_mark_do_no_harm(tmp_path: Path) -> N
     path = tmp_path / "case.toml"
     text = CANTILEVER + "[statics]\nsteps = 0\n"
     path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    with pytest.raises(InputError, match=f"case.toml:{text.count(chr(10))}: statics.steps: is 0"):
+    with pytest.raises(InputError, match=f"case.toml:{text.count(chr(10))}:1: statics.steps: is 0"):
         load_case(path)
 
 
@@ -330,7 +330,7 @@ LINES = {
 def test_lines_of_a_file_full_of_traps() -> None:
     places = toml_places(TRAPS)
     assert set(places) == set(paths_of(tomllib.loads(TRAPS)))
-    assert {path: places[path] for path in LINES} == LINES
+    assert {path: places[path].line for path in LINES} == LINES
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda p: p.stem)
@@ -339,9 +339,10 @@ def test_lines_of_the_examples(path: Path) -> None:
     lines = text.split("\n")
     places = toml_places(text)
     assert set(places) == set(paths_of(tomllib.loads(text)))
-    for keys, line in places.items():
+    for keys, (line, column) in places.items():
         if keys and isinstance(keys[-1], str):
-            assert keys[-1] in lines[line - 1]
+            assert keys[-1] in lines[line - 1][column - 1 :]
+            assert column == 1 or lines[line - 1][column - 2] in " .[{,"
 
 
 names = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"]), max_size=8)
@@ -372,7 +373,7 @@ def test_every_key_of_any_toml_is_found_on_its_line(tables: list[dict[str, Any]]
             text += f"{toml_text(key)} = {toml_text(value)}\n"
     places = toml_places(text)
     assert set(places) == set(paths_of(tomllib.loads(text)))
-    assert {path: places[path] for path in expected} == expected
+    assert {path: places[path].line for path in expected} == expected
 
 
 @given(values, st.sampled_from([None, 1]))
@@ -382,9 +383,9 @@ def test_every_key_of_any_json_is_found(value: Any, indent: int | None) -> None:
     places = json_places(text)
     assert set(places) == set(paths_of(data))
     lines = text.split("\n")
-    for keys, line in places.items():
+    for keys, (line, column) in places.items():
         if keys and isinstance(keys[-1], str):
-            assert json.dumps(keys[-1]) + ":" in lines[line - 1]
+            assert lines[line - 1].startswith(json.dumps(keys[-1]) + ":", column - 1)
 
 
 # --- functions of time

@@ -100,8 +100,11 @@ def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
             code = command(*args, **kwargs) or 0
         except (typer.Exit, typer.Abort, BrokenPipeError):
             raise
-        except ModelError as error:
+        except InputError as error:
             code = _failed(2, f"error: {error}")
+        except ModelError as error:
+            first, *rest = str(error).split("\n")
+            code = _failed(2, "\n".join([f"error: {first} [{error.code}]", *rest]))
         except KeyboardInterrupt:
             code = _failed(130, "interrupted: nothing was saved")
         except OSError as error:
@@ -147,7 +150,7 @@ def _options(version: Version = False, traceback: Traceback = False) -> None:  #
         os.environ[TRACEBACK] = "1"
 
 
-@app.command()
+@app.command(epilog="Example: directrix run cantilever.toml --no-view")
 @_guarded
 def run(
     case_file: CaseFile,
@@ -174,6 +177,8 @@ def run(
     rival = case.stepped_by(beside.value) if beside else None
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
     console = Console(quiet=quiet, highlight=False)
+    for warning in case.warnings:
+        console.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=True)
 
     def solve(case: Case, heading: str, watched: bool = False) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
@@ -204,17 +209,87 @@ def run(
     return code
 
 
-@app.command()
+@app.command(epilog="Example: directrix check cantilever.toml --picture model.png")
 @_guarded
-def check(case_file: CaseFile) -> None:
-    """Check a case without solving it; print what would be solved, with every default and convention."""
+def check(
+    case_file: CaseFile,
+    picture: Annotated[
+        Path | None, typer.Option(help="Where to draw the model; default beside the case.", show_default=False)
+    ] = None,
+    no_picture: Annotated[bool, typer.Option("--no-picture", help="Draw no picture.")] = False,
+) -> None:
+    """Check a case without solving it; print and draw what would be solved, with every default and convention."""
+    from directrix.runs import can_draw
     from directrix.schema import load_case
     from directrix.schema.describe import describe
 
-    print(describe(load_case(case_file)))
+    case = load_case(case_file)
+    print(describe(case))
+    if no_picture:
+        return
+    if picture is not None or can_draw():
+        from directrix.sketch import sketch
+
+        try:
+            print(f"wrote {sketch(case.check(), picture or case_file.with_suffix('.png'), case.duration)}")
+        except InputError as error:
+            if picture is not None:
+                raise
+            print(f"no picture: {error.what}")  # a folder where nothing may be written is no fault of the case
+    else:
+        print('no picture: matplotlib is missing; pip install "directrix[plot]"')
 
 
-@app.command()
+@app.command(epilog="Example: directrix new mast --template cantilever")
+@_guarded
+def new(
+    name: Annotated[str | None, typer.Argument(help="Name of the case; default that of the template.")] = None,
+    template: Annotated[
+        str | None, typer.Option("--template", "-t", help="What to begin with; asked if left out.")
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="Print the templates and write nothing.")] = False,
+) -> None:
+    """Write a case to begin with: commented, with a schema for editors beside it, ready to run."""
+    import tomllib
+
+    from directrix.starting import begin, templates
+
+    known = templates()
+    if listed:
+        for key, text in known.items():
+            print(f"{key:<12} {tomllib.loads(text)['title']}: {text.splitlines()[0].lstrip('# ')}")
+        return
+    if template is None:
+        if not asks():
+            raise ModelError(
+                "there is no terminal to ask which template to begin with",
+                f"add --template, one of {', '.join(known)}",
+                code="DX503",
+            )
+        for key, text in known.items():
+            print(f"{key:<12} {text.splitlines()[0].lstrip('# ')}")
+        template = str(typer.prompt("template", default="cantilever"))
+        name = name or str(typer.prompt("name of the case", default=template))
+    path, beside = begin(name or template, template)
+    print(f"wrote {path}")
+    print(f"wrote {beside}, which editors complete keys from")
+    print(f"next: directrix check {path}, directrix run {path}")
+
+
+@app.command(epilog="Example: directrix convert cantilever.toml cantilever.json")
+@_guarded
+def convert(
+    case_file: CaseFile,
+    target: Annotated[Path, typer.Argument(help="The file to write: .json, or .toml.", show_default=False)],
+) -> None:
+    """Write a case in the other language, TOML or JSON; comments are lost, and it is said."""
+    from directrix.schema.convert import convert as to
+
+    lost = to(case_file, target)
+    print(f"wrote {target}{'; the comments of ' + str(case_file) + ' are lost in it' if lost else ''}")
+
+
+@app.command(epilog="Example: directrix info cantilever.run")
 @_guarded
 def info(result_file: ResultFile) -> None:
     """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint."""
@@ -233,7 +308,7 @@ def info(result_file: ResultFile) -> None:
         print(f"  {key} = {value}")
 
 
-@app.command()
+@app.command(epilog="Example: directrix plot cantilever.run history --node tip --quantity r")
 @_guarded
 def plot(
     result_file: ResultFile,
@@ -294,7 +369,7 @@ def export(
     print(f"wrote {write(result, out or path.with_name(path.stem + ending))}")
 
 
-@app.command()
+@app.command(epilog="Example: directrix view cantilever.run --out motion.html")
 @_guarded
 def view(
     result_files: Annotated[
@@ -334,7 +409,7 @@ def movie(
     print(f"wrote {result.movie(out or path.with_name('movie.gif'), seconds=seconds, fps=fps, field=field)}")
 
 
-@app.command()
+@app.command(epilog="Example: directrix examples bend45 --copy .")
 @_guarded
 def examples(
     name: Annotated[str | None, typer.Argument(help="Print this example.", show_default=False)] = None,
@@ -362,7 +437,7 @@ def examples(
         print("\ndirectrix examples NAME prints one, --copy DIR copies it (without NAME: all)")
 
 
-@app.command()
+@app.command(epilog="Example: directrix schema --out directrix.schema.json")
 @_guarded
 def schema(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; default: print.")] = None,
@@ -380,7 +455,7 @@ def schema(
         print(f"wrote {out}")
 
 
-@app.command()
+@app.command(epilog="Example: directrix doctor")
 @_guarded
 def doctor() -> int:
     """Look at this installation: versions, compiler, cache, extras, and a small run whose audit must pass."""
@@ -393,7 +468,7 @@ def doctor() -> int:
     return 0 if passed else 4
 
 
-@app.command()
+@app.command(epilog="Example: directrix verify --list")
 @_guarded
 def verify(
     everything: Annotated[bool, typer.Option("--all", help="The long cases as well.")] = False,
@@ -421,7 +496,7 @@ def verify(
     return 0 if all(o.passed for o in outcomes) else 4
 
 
-@app.command()
+@app.command(epilog="Example: directrix paper --quick --out paper.html")
 @_guarded
 def paper(
     out: Annotated[Path, typer.Option("--out", "-o", help="The HTML file to write.")] = Path("paper.html"),
@@ -434,6 +509,11 @@ def paper(
         raise InputError("there is no such folder", "make it, or name another file with --out", str(out.parent))
     out.write_text(report(quick, lambda title: print(title, flush=True)), encoding="utf-8")
     print(f"wrote {out}")
+
+
+def asks() -> bool:
+    """True where somebody can answer."""
+    return sys.stdin.isatty()
 
 
 def _load(path: Path) -> tuple[Result, Path]:

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 SLACK = 30.0  # widths of its ramp by which a cable is shorter than its length
 PUSHED = 1e-9  # of what loads could do: below it they do no work on a motion
 STIFFENED = 1e-3  # of the loads over the size of a part: the least stiffness that counts
+CODES = {"free": "DX425", "no_inertia": "DX427"}  # of findings that are errors
 ROUND_OFF = 1e-14  # of the stiffness times the size of the model: what is no load
 NEARBY = 0.5  # of the size of a part: how far an equilibrium under loads may be
 
@@ -118,7 +119,7 @@ def refuse(findings: Sequence[Finding]) -> tuple[Finding, ...]:
         first, *more = errors
         also = "".join(f"\n  also: {f.what}" for f in more[:5])
         also += f"\n  and {len(more) - 5} more" if len(more) > 5 else ""
-        raise ModelError(first.what + also, first.fix)
+        raise ModelError(first.what + also, first.fix, code=CODES.get(first.code, ""))
     return tuple(findings)
 
 

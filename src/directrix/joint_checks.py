@@ -55,6 +55,7 @@ def refuse_joints(newton: Newton, x: Array, *, fresh: bool = True) -> None:
                 f"{'supports' if one else 'others of them, or supports,'} hold already, and what each of them carries "
                 "is not determined",
                 "let one of them hold less, e.g. a spherical or cylindrical joint for a hinge, or release a support",
+                code="DX426",
             )
     if scheme.static or not fresh:
         return
@@ -108,12 +109,14 @@ def _refuse_massless(newton: Newton, x: Array) -> None:
         raise ModelError(
             f"node {name!r} has no mass, and nothing says how it {does}",
             "give it .point_mass or .rigid_body, or hold it with joints or supports",
+            code="DX427",
         )
     axis = motion[3:] / np.linalg.norm(motion[3:])
     about = ", ".join(f"{c + 0.0:.3g}" for c in np.round(axis * np.sign(axis[np.abs(axis).argmax()]), 9))
     raise ModelError(
         f"node {name!r} has no rotary inertia about ({about}) and nothing holds that turn, its speed is not determined",
         "give it .rigid_body with inertia about that line, or a joint or support that holds the turn",
+        code="DX427",
     )
 
 

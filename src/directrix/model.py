@@ -194,7 +194,7 @@ class Model:
         """
         name = text(name, "name of a node")
         if any(other.name == name for other in self.nodes):
-            raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own")
+            raise ModelError(f"there are two nodes called {name!r}", "give each node a name of its own", code="DX422")
         return replace(self, nodes=(*self.nodes, Node(name, vector(at, f"place of node {name!r}"))))
 
     def rod(
@@ -249,7 +249,7 @@ class Model:
             name = given.get("name")
             name = text(name if name is not None else f"rod{len(taken) + 1}", "name of a rod")
             if name in taken:
-                raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own")
+                raise ModelError(f"there are two rods called {name!r}", "give each rod a name of its own", code="DX422")
             for key in given:
                 choice(key, "argument of a rod", ROD)
             for key in ("curve", "section"):
@@ -398,7 +398,9 @@ class Model:
         name = f"tendon{len(self.tendons) + 1}" if name is None else name
         new = Tendon(name, along if isinstance(along, str) else tuple(along), tension, offset, constant)
         if any(other.name == new.name for other in self.tendons):
-            raise ModelError(f"there are two tendons called {name!r}", "give each tendon a name of its own")
+            raise ModelError(
+                f"there are two tendons called {name!r}", "give each tendon a name of its own", code="DX422"
+            )
         return replace(self, tendons=(*self.tendons, new))
 
     def drag(
@@ -431,6 +433,7 @@ class Model:
                 raise ModelError(
                     f"there is no node {node!r} for the body",
                     f"{nearest(node, places)}add rods and nodes before a body that is off its node",
+                    code="DX420",
                 )
             apart = self.node(own, tuple((np.asarray(places[node]) + arm).tolist()))
             return apart.rigid_body(own, mass, inertia).rigid(node, own, name=own)
@@ -486,7 +489,9 @@ class Model:
         taken = [c.name for c in (*self.contacts, *self.rod_contacts)]
         name = f"contact{len(taken) + 1}" if name is None else name
         if name in taken:
-            raise ModelError(f"there are two contacts called {name!r}", "give each contact a name of its own")
+            raise ModelError(
+                f"there are two contacts called {name!r}", "give each contact a name of its own", code="DX422"
+            )
         return name
 
     def rigid(self, a: str, b: str | None = None, *, name: str | None = None) -> Self:
@@ -574,7 +579,7 @@ class Model:
     def _joint(self, name: str | None, kind: str, a: str, b: str | None, **options: Any) -> Self:
         name = text(f"joint{len(self.joints) + 1}" if name is None else name, "name of a joint")
         if any(other.name == name for other in self.joints):
-            raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own")
+            raise ModelError(f"there are two joints called {name!r}", "give each joint a name of its own", code="DX422")
         for key in options:
             if key not in OPTIONS:
                 raise ModelError(
@@ -587,7 +592,9 @@ class Model:
 
     def _link(self, link: Link) -> Self:
         if any(other.name == link.name for other in self.links):
-            raise ModelError(f"there are two links called {link.name!r}", "give each link a name of its own")
+            raise ModelError(
+                f"there are two links called {link.name!r}", "give each link a name of its own", code="DX422"
+            )
         return replace(self, links=(*self.links, link))
 
     def velocity(self, node: str, v: Any, omega: Any = (0, 0, 0)) -> Self:
@@ -626,11 +633,12 @@ class Model:
         if dynamic:
             for rod in self.rods:
                 if rod.section.A_rho == 0.0:
-                    raise ModelError(f"rod {rod.name!r} has no mass", "give its section rho= or A_rho=")
+                    raise ModelError(f"rod {rod.name!r} has no mass", "give its section rho= or A_rho=", code="DX427")
                 if np.trace(rod.section.I_rho) == 0.0:
                     raise ModelError(
                         f"rod {rod.name!r} has no rotary inertia, its sections could turn at infinite speed",
                         "give its section I_rho1= and I_rho2=",
+                        code="DX427",
                     )
         said = remarks(self, static=static) if static or dynamic else ()
         if not (static and meshed):
@@ -665,7 +673,9 @@ class Model:
             if rod.name == name:
                 return rod
         names = [r.name for r in self.rods]
-        raise ModelError(f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}")
+        raise ModelError(
+            f"there is no rod {name!r}", f"{nearest(name, names)}rods are {', '.join(names) or 'none'}", code="DX421"
+        )
 
     @staticmethod
     def _size(points: list[Any]) -> float:
@@ -687,6 +697,7 @@ class Model:
                         f"node {name!r} is at {_show(other)} {first} and at {_show(point)} "
                         f"on rod {rod.name!r}, {gap:.3g} apart",
                         "give the ends the same position, or different names",
+                        code="DX423",
                     )
             found[name] = (point, rod.name)
         return {name: point for name, (point, _) in found.items()}
@@ -706,6 +717,7 @@ class Model:
                 raise ModelError(
                     f"there is no node {node!r} for the {what}",
                     f"{nearest(node, places)}nodes are {', '.join(places)}",
+                    code="DX420",
                 )
         rods = [load.rod for load in self.loads if isinstance(load, (Distributed, Pressure))]
         rods += [a.rod for a in self.actuations] + [d.rod for d in self.drags]
@@ -715,7 +727,7 @@ class Model:
         if any(isinstance(load, Gravity) for load in self.loads) and not (
             self.bodies or any(r.section.A_rho for r in self.rods)
         ):
-            raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=")
+            raise ModelError("gravity is given and no rod has mass", "give the sections rho= or A_rho=", code="DX427")
 
     def _touching(self) -> None:
         """Rods of the contacts are there, and have a radius and a width."""
@@ -768,6 +780,7 @@ class Model:
                 raise ModelError(
                     f"node {node!r} is held twice in {', '.join(d for d in DOFS if d in twice)}",
                     "keep one support or prescribed motion",
+                    code="DX424",
                 )
             held[node] |= set(dofs)
         return held
@@ -830,7 +843,9 @@ def _named(nodes: Any, where: str) -> list[tuple[Any, Any]]:
 def _interior(where: str, node: Any, fraction: Any, taken: tuple[str, ...]) -> tuple[str, float]:
     node = text(node, f"{where}: name of an interior node")
     if node in taken:
-        raise ModelError(f"{where}: there are two nodes {node!r} on it", "give each node a name of its own")
+        raise ModelError(
+            f"{where}: there are two nodes {node!r} on it", "give each node a name of its own", code="DX422"
+        )
     if not 0.0 < number(fraction, f"{where}: fraction of node {node!r}") < 1.0:
         raise ModelError(
             f"{where}: node {node!r} at {fraction} is not inside the rod",

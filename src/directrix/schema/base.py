@@ -7,7 +7,69 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-__all__ = ["Name", "NotNegative", "Numbers", "Positive", "Strict", "Tolerance", "Vector", "Vectors", "refuse"]
+from directrix.schema.units import Dim
+
+__all__ = [
+    "ACCELERATION",
+    "ANGLE",
+    "AREA",
+    "BENDING",
+    "CURVATURE",
+    "DENSITY",
+    "FORCE",
+    "FORCE_PER_LENGTH",
+    "FREQUENCY",
+    "INERTIA",
+    "INERTIA_PER_LENGTH",
+    "LENGTH",
+    "MASS",
+    "MASS_PER_LENGTH",
+    "MOMENT",
+    "SECOND_MOMENT",
+    "SPEED",
+    "SPIN",
+    "STRESS",
+    "TIME",
+    "Name",
+    "NotNegative",
+    "Numbers",
+    "Place",
+    "Positive",
+    "Speed",
+    "Spin",
+    "Strict",
+    "Times",
+    "Tolerance",
+    "Vector",
+    "Vectors",
+    "refuse",
+]  # fmt: skip
+
+LENGTH = Dim("a length", (1, 0, 0), "5 mm")
+AREA = Dim("an area", (2, 0, 0), "200 mm^2")
+SECOND_MOMENT = Dim("a second moment of area (length⁴)", (4, 0, 0), "12 cm^4")
+ANGLE = Dim("an angle", (0, 0, 0), "30 deg")
+DEGREES = Dim("an angle", (0, 0, 0), "30 deg", degrees=True)
+TIME = Dim("a time", (0, 0, 1), "10 ms")
+FREQUENCY = Dim("a frequency", (0, 0, -1), "50 Hz")
+MASS = Dim("a mass", (0, 1, 0), "3 kg")
+INERTIA = Dim("a moment of inertia", (2, 1, 0), "0.1 kg*m^2")
+MASS_PER_LENGTH = Dim("a mass per length", (-1, 1, 0), "2 kg/m")
+INERTIA_PER_LENGTH = Dim("a rotary inertia per length", (1, 1, 0), "1e-4 kg*m")
+DENSITY = Dim("a density", (-3, 1, 0), "7850 kg/m^3")
+STRESS = Dim("a stress", (-1, 1, -2), "210 GPa")
+FORCE = Dim("a force", (1, 1, -2), "2 kN")
+MOMENT = Dim("a moment", (2, 1, -2), "3 N*m")
+BENDING = Dim("a bending stiffness", (3, 1, -2), "12 N*m^2")
+FORCE_PER_LENGTH = Dim("a force per length", (0, 1, -2), "2 kN/m")
+FORCE_PER_AREA_LENGTH = Dim("a force per length and penetration", (-1, 1, -2), "1e6 N/m^2")
+FORCE_PER_SPEED = Dim("a force per speed", (0, 1, -1), "30 N*s/m")
+MOMENT_PER_SPIN = Dim("a moment per spin", (2, 1, -1), "0.3 N*m*s")
+DRAG = Dim("a force per length and speed²", (-2, 1, 0), "5 kg/m^2")
+SPEED = Dim("a speed", (1, 0, -1), "3 m/s")
+SPIN = Dim("an angular velocity", (0, 0, -1), "20 rpm")
+ACCELERATION = Dim("an acceleration", (1, 0, -2), "9.81 m/s^2")
+CURVATURE = Dim("a curvature", (-1, 0, 0), "2 rad/m")
 
 Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^\S(.*\S)?$")]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -16,7 +78,15 @@ Tolerance = Annotated[float, Field(gt=0.0, lt=1.0)]
 # the arrays of a file arrive as lists, which strict tuples would refuse
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Numbers = Annotated[tuple[float, ...], Field(strict=False, min_length=2)]
+_L = Annotated[float, LENGTH]
+_V = Annotated[float, SPEED]
+_W = Annotated[float, SPIN]
+Place = Annotated[tuple[_L, _L, _L], Field(strict=False)]
+Speed = Annotated[tuple[_V, _V, _V], Field(strict=False)]
+Spin = Annotated[tuple[_W, _W, _W], Field(strict=False)]
+Times = Annotated[tuple[Annotated[float, TIME], ...], Field(strict=False, min_length=2)]
 Vectors = Annotated[tuple[Vector, ...], Field(strict=False, min_length=2)]
+Places = Annotated[tuple[Place, ...], Field(strict=False, min_length=2)]
 
 
 class Strict(BaseModel):
@@ -27,7 +97,7 @@ class Strict(BaseModel):
     )
 
 
-def refuse(sentence: str, fix: str, *at: str | int) -> PydanticCustomError:
+def refuse(sentence: str, fix: str, *at: str | int, code: str = "DX217") -> PydanticCustomError:
     """The error of a validator; ``at`` is the key below its table that is to blame."""
     # braces in the sentence would be taken for placeholders
-    return PydanticCustomError("case", "{what}", {"what": sentence, "fix": fix, "at": at})
+    return PydanticCustomError("case", "{what}", {"what": sentence, "fix": fix, "at": at, "code": code})

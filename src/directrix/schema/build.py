@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from math import radians
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from directrix.actuators import PARTS
 from directrix.chains import catenary
+from directrix.checks import nearest
 from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
-from directrix.errors import InputError, ModelError
+from directrix.errors import ModelError
 from directrix.geometry.tables import centreline
+from directrix.laws import stiffening_bending, tension_only
 from directrix.model import Model, Vec
 from directrix.points import Recorder, place
 from directrix.result import Mesh
@@ -25,41 +27,26 @@ from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
 from directrix.schema.base import Strict
-from directrix.schema.functions import Ramp, Rotated, Scaled, ScaledNumber, VectorTable, timed
+from directrix.schema.blame import Add, Blame, placed
+from directrix.schema.functions import AlongRod, Ramp, Rotated, Route, Scaled, ScaledNumber, VectorTable, timed
 from directrix.schema.geometry import build_geometry
 from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
 from directrix.tapered import taper
 
-__all__ = ["build_control", "build_model", "build_records", "placed"]
-
-Add = Callable[[Model], Model]
+__all__ = ["build_control", "build_model", "build_records", "entries_of"]
 
 
-def build_model(tables: m.CaseFile, title: str, source: Source, *, check_each: bool = False) -> Model:
-    """The Model that the tables describe. Raises InputError at the entry that cannot be.
-
-    ``check_each`` looks at the whole after every entry: slow, but it finds the one that does not fit.
-    """
+def build_model(tables: m.CaseFile, title: str, blame: Blame) -> Model:
+    """The Model that the tables describe, without the entries that cannot be, which ``blame`` notes."""
     model = Model(name=title)
-    for loc, add in _entries(tables, source):
-        with placed(source, loc):
+    for loc, add in entries_of(tables, blame):
+        try:
             model = add(model)
-            if check_each:
-                model.check()
+        except ModelError as error:
+            blame.note(loc, error)
     return model
-
-
-@contextmanager
-def placed(source: Source, loc: Path) -> Generator[None]:
-    """Give a ModelError the place of an entry of the file."""
-    try:
-        yield
-    except InputError:
-        raise
-    except ModelError as error:
-        raise InputError(error.what, error.fix, source.where(loc)) from None
 
 
 @dataclass(frozen=True)
@@ -116,13 +103,15 @@ def build_records(tables: m.CaseFile, source: Source, mesh: Mesh) -> tuple[Recor
     return tuple(out)
 
 
-def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
+def entries_of(tables: m.CaseFile, blame: Blame) -> Iterator[tuple[Path, Add]]:
     """Every entry of the file in the order of the model: its place, and what adds it."""
     sections: dict[str, Section] = {}
     for name, table in tables.section.items():
-        with placed(source, ("section", name)):
+        try:
             sections[name] = _section(table, sections)
-    folder = FilePath(source.name).parent
+        except ModelError as error:
+            blame.note(("section", name), error)
+    folder = FilePath(blame.source.name).parent
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections, folder)
     for k, made in enumerate(tables.geometry):
@@ -144,7 +133,7 @@ def _entries(tables: m.CaseFile, source: Source) -> Iterator[tuple[Path, Add]]:
         for k, table in enumerate(getattr(tables, key)):
             yield (key, k), partial(_attach, key, table)
     for k, actuated in enumerate(tables.actuate):
-        yield ("actuate", k), partial(_actuate, actuated)
+        yield ("actuate", k), partial(_actuate, actuated, tables.statics is not None)
     for k, tendon in enumerate(tables.tendon):
         yield ("tendon", k), partial(_tendon, tendon)
     for k, dragged in enumerate(tables.drag):
@@ -175,17 +164,30 @@ def _section(table: sec.Section, known: Mapping[str, Section]) -> Section:
 
 
 def _as_it_is(table: sec.Plain) -> Section:
+    given = dict(_given(table))
+    if table.viscous is not None:
+        given["damping"] = np.array(given.pop("viscous"))
+    damping = given.get("damping", 0.0)
     match table:
         case sec.Profile():
-            return Section.profile(**_given(table))
+            given["unit"] = table.unit or 1e-3
+            return Section.profile(**given)
         case sec.Circle():
-            return Section.circle(**_given(table))
+            return Section.circle(**given)
         case sec.Rectangle():
-            return Section.rectangle(**_given(table))
+            return Section.rectangle(**given)
         case sec.Tube():
-            return Section.tube(**_given(table))
+            return Section.tube(**given)
+        case sec.StiffeningBending() | sec.TensionOnly():
+            moduli = {key: given[key] for key in ("EA", "GA1", "GA2", "EI1", "EI2", "GJ")}
+            if isinstance(table, sec.TensionOnly):
+                energy = tension_only(**moduli, width=table.width)
+            else:
+                energy = stiffening_bending(**moduli, onset=table.onset)
+            inertia = np.diag([table.I_rho1, table.I_rho2])
+            return Section.hyperelastic(energy, A_rho=table.A_rho, I_rho=inertia, damping=damping)
         case sec.Moduli():
-            return Section.from_moduli(**_given(table))
+            return Section.from_moduli(**given)
         case sec.Properties():
             shear = table.shear_modulus
             return Section.from_moduli(
@@ -198,12 +200,12 @@ def _as_it_is(table: sec.Plain) -> Section:
                 A_rho=table.rho * table.A,
                 I_rho1=table.rho * table.I2,
                 I_rho2=table.rho * table.I1,
-                damping=table.damping,
+                damping=damping,
             )
         case sec.Matrix():
             inertia = np.zeros((2, 2)) if table.I_rho is None else np.array(table.I_rho)
             return Section(
-                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(table.damping),
+                np.array(table.stiffness), table.A_rho, inertia, order=table.order, damping=np.array(damping),
                 S_rho=np.array(table.S_rho),
             )  # fmt: skip
 
@@ -216,27 +218,38 @@ def _given(table: Strict) -> Mapping[str, Any]:
 
 
 def _curve(rod: m.Rod, folder: FilePath) -> Curve:
-    if rod.catenary is not None:
-        return catenary(**_given(rod.catenary), directors=rod.directors, d1=rod.d1)
-    if rod.centreline is not None:
-        given = dict(_given(rod.centreline))
-        return centreline(folder / given.pop("file"), **given, directors=rod.directors, d1=rod.d1)
-    if rod.line is not None:
-        return line(*rod.line, directors=rod.directors, d1=rod.d1)
-    if rod.arc is not None:
-        return arc(rod.arc.start, rod.arc.through, rod.arc.end, directors=rod.directors, d1=rod.d1)
-    if rod.helix is not None:
-        return helix(**_given(rod.helix), directors=rod.directors, d1=rod.d1)
-    if rod.polyline is not None:
-        return polyline(rod.polyline, directors=rod.directors, d1=rod.d1)
-    return spline(rod.spline or (), directors=rod.directors, d1=rod.d1)
+    key = next(key for key in m.CURVES if getattr(rod, key) is not None)
+    value = getattr(rod, key)
+    given = tuple(_given(value).items()) if isinstance(value, Strict) else value
+    return _made(key, given, rod.directors, rod.d1, folder)
+
+
+@lru_cache(maxsize=256)  # the entries of a file are built again where one is looked for that does not fit
+def _made(key: str, given: Any, directors: Literal["tangent", "chord"], d1: Vec | None, folder: FilePath) -> Curve:
+    match key:
+        case "line":
+            return line(*given, directors=directors, d1=d1)
+        case "arc":
+            return arc(**dict(given), directors=directors, d1=d1)
+        case "helix":
+            return helix(**dict(given), directors=directors, d1=d1)
+        case "polyline":
+            return polyline(given, directors=directors, d1=d1)
+        case "catenary":
+            return catenary(**dict(given), directors=directors, d1=d1)
+        case "centreline":
+            table = dict(given)
+            return centreline(folder / table.pop("file"), **table, directors=directors, d1=d1)
+        case _:
+            return spline(given, directors=directors, d1=d1)
 
 
 def _rod(rod: m.Rod, sections: Mapping[str, Section], folder: FilePath, model: Model) -> Model:
     if rod.section not in sections:
         raise ModelError(
             f"rod {rod.name!r} has the section {rod.section!r}, which the file does not define",
-            f"sections of this file: {', '.join(sections)}",
+            f"{nearest(rod.section, sections)}sections of this file: {', '.join(sections) or 'none'}",
+            code="DX421",
         )
     return model.rod(
         _curve(rod, folder),
@@ -279,9 +292,14 @@ def _pressure(load: m.Pressure, model: Model) -> Model:
     return model.pressure(load.rod, value, width=load.width, along=load.along, constant=load.constant)
 
 
-def _actuate(table: m.Actuate, model: Model) -> Model:
-    parts = ((key, getattr(table, key)) for key in ("curvature", "twist", "elongation", "strain"))
-    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts if v is not None})
+def _actuate(table: m.Actuate, static: bool, model: Model) -> Model:
+    parts = [(key, v) for key in PARTS if (v := getattr(table, key)) is not None]
+    if (along := table.along) is not None:
+        # a function is taken as it is: in statics it has to ramp by itself
+        time = table.time or (Ramp(until=1.0) if static else None)
+        local = {key: AlongRod(v, along.s, along.factor, time) for key, v in parts}
+        return model.actuate(table.rod, **local, along=True)
+    return model.actuate(table.rod, **{key: timed(v, table.time) for key, v in parts})
 
 
 def _tendon(table: m.Tendon, model: Model) -> Model:
@@ -289,6 +307,9 @@ def _tendon(table: m.Tendon, model: Model) -> Model:
     if table.nodes is not None:
         offset = table.offsets or ((0.0, 0.0, 0.0),) * len(table.nodes)
         return model.tendon(table.nodes, tension, offset=offset, name=table.name, constant=table.constant)
+    if table.route is not None:
+        route = Route(table.route.fraction, table.route.offset)
+        return model.tendon(table.rod or "", tension, offset=route, name=table.name, constant=table.constant)
     offset = table.offset if table.offset_end is None else (table.offset, table.offset_end)
     return model.tendon(table.rod or "", tension, offset=offset, name=table.name, constant=table.constant)
 
@@ -373,4 +394,4 @@ def _position(node: str, model: Model) -> Vec:
                 x, y, z = rod.curve.position(fraction * rod.curve.length).tolist()
                 return (x, y, z)
     known = [name for rod in model.rods for name in rod.names] + [free.name for free in model.nodes]
-    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}")
+    raise ModelError(f"there is no node {node!r} to turn", f"nodes are {', '.join(known)}", code="DX420")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from directrix import functions
 from directrix.contacts import Contact, Cylinder, Plane, RodContact, Sphere
 from directrix.discretisation import Discretisation
+from directrix.estimate import cost
+from directrix.findings import Finding
 from directrix.joints import KINDS, Joint
-from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity
+from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity, Rod
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, ScaledNumber, Sine, Table, VectorTable
 from directrix.schema.load import Case
 from directrix.schema.models import ArcLength, DisplacementControl, Statics
@@ -38,13 +40,17 @@ def describe(case: Case) -> str:
 
 def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     yield from (f"  {line}" for line in case.description.strip().splitlines())
+    yield f"  units: {case.units}"
     yield from _analysis(case, disc)
+    kept = -(-case.steps // case.output.save_every) + 1
+    yield f"  {cost(disc, case.steps, kept, static=isinstance(case.analysis, Statics))}"
+    yield from _totals(disc)
     if disc.mesh.rods:
         yield "rods"
     for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True):
         d1, d3 = mesh.directors[0, :, 0], mesh.directors[0, :, 2]
         count, points = (len(mesh.s) - 1) // rod.order, rod.points or rod.order
-        yield f"  {rod.name}: {rod.ends[0]} → {rod.ends[1]}, length {rod.curve.length:.6g}"
+        yield f"  {rod.name}: {rod.ends[0]} → {rod.ends[1]}, length {rod.curve.length:.6g}{_slenderness(rod)}"
         yield f"    at its start d1 = {_vector(d1)}, d3 = {_vector(d3)}"
         yield f"    {count} elements of order {rod.order}, {points} stress point{'s' * (points > 1)} each"
         yield from _section(rod.section)
@@ -56,16 +62,46 @@ def _lines(case: Case, disc: Discretisation) -> Iterator[str]:
     yield from _attached(disc)
     yield from _joints(disc, isinstance(case.analysis, Statics))
     yield from _touching(disc.model)
+    yield from _moving(found := case.findings())
     yield from _loads(disc, isinstance(case.analysis, Statics))
     assumed = {a for rod in disc.model.rods for a in rod.section.assumptions}
     if notes := [n for n in (*disc.model.notes(), *disc.mesh.notes) if n not in assumed]:
         yield "notes"
         yield from (f"  {note}" for note in notes)
-    if found := case.findings():
+    if found:
         yield "findings"
-        yield from (f"  {f.what}; {f.fix}" for f in found)
+        yield from (f"  {f.what}\n    fix: {f.fix}" for f in found)
     yield "conventions"
     yield from (f"  {line}" for line in CONVENTIONS)
+
+
+def _moving(findings: Sequence[Finding]) -> Iterator[str]:
+    """Mechanisms: what is an error has been refused, so what is left moves under conditions, or not at all."""
+    loose = [f for f in findings if f.code in ("free", "loads_hold", "slack")]
+    yield f"mechanisms: {len(loose) or 'none'}{', see findings' if loose else ''}"
+
+
+def _slenderness(rod: Rod) -> str:
+    """Length over the radius of gyration in the stiffer direction, √(EI/EA)."""
+    c = np.diag(rod.section.stiffness)
+    mass = f", mass {rod.section.A_rho * rod.curve.length:.6g}" if rod.section.A_rho else ""
+    return f", slenderness {rod.curve.length / np.sqrt(max(c[3], c[4]) / c[2]):.4g}{mass}"
+
+
+def _totals(disc: Discretisation) -> Iterator[str]:
+    model = disc.model
+    rods = sum(rod.section.A_rho * rod.curve.length for rod in model.rods)
+    bodies = sum(body.mass for body in model.bodies)
+    length = sum(rod.curve.length for rod in model.rods)
+    low, high = disc.mesh.r0.min(axis=0), disc.mesh.r0.max(axis=0)
+    yield f"  mass {rods + bodies:.6g} ({rods:.6g} of rods, {bodies:.6g} of bodies), {length:.6g} of rod"
+    yield f"  from {_vector(low)} to {_vector(high)}"
+    counts = {
+        "support": len(model.supports), "prescribed motion": len(model.prescribed), "joint": len(model.joints),
+        "link": len(model.links), "bodies": len(model.bodies), "load": len(model.loads),
+        "contact": len(model.contacts) + len(model.rod_contacts),
+    }  # fmt: skip
+    yield "  " + ", ".join(f"{n} {k}{'s' * (n != 1 and k[-1] != 's')}" for k, n in counts.items() if n)
 
 
 def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:

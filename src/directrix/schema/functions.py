@@ -15,24 +15,49 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from directrix import functions
-from directrix.schema.base import Numbers, Positive, Strict, Vectors, refuse
+from directrix.schema.base import (
+    ANGLE,
+    FREQUENCY,
+    TIME,
+    Numbers,
+    Places,
+    Positive,
+    Strict,
+    Times,
+    Vectors,
+    refuse,
+)
 
 Array = NDArray[np.float64]
 Vec = tuple[float, float, float]
+_A = Annotated[float, ANGLE]
+Angles = Annotated[tuple[_A, _A, _A], Field(strict=False)]
 
-__all__ = ["Pulse", "Ramp", "Rotated", "Scaled", "ScaledNumber", "Sine", "Table", "Time", "VectorTable", "timed"]
+__all__ = [
+    "AlongRod",
+    "Pulse",
+    "Ramp",
+    "Rotated",
+    "Scaled",
+    "ScaledNumber",
+    "Sine",
+    "Table",
+    "Time",
+    "VectorTable",
+    "timed",
+]
 
 
 class Table(Strict):
     """Piecewise linear through (t, value); constant before the first and after the last point."""
 
     kind: Literal["table"] = "table"
-    t: Numbers
+    t: Times
     value: Numbers
 
     @model_validator(mode="after")
     def _table(self) -> Self:
-        _check_table(self.t, self.value)
+        check_table(self.t, self.value)
         return self
 
     def __call__(self, t: float) -> float:
@@ -43,8 +68,8 @@ class Ramp(Strict):
     """0 until ``start``, then linear, 1 from ``until`` on."""
 
     kind: Literal["ramp"] = "ramp"
-    until: float
-    start: float = 0.0
+    until: Annotated[float, TIME]
+    start: Annotated[float, TIME] = 0.0
 
     @model_validator(mode="after")
     def _order(self) -> Self:
@@ -60,10 +85,10 @@ class Sine(Strict):
     """mean + amplitude · sin(2π · frequency · t + phase)."""
 
     kind: Literal["sine"] = "sine"
-    frequency: Positive
+    frequency: Annotated[Positive, FREQUENCY]
     """Cycles per unit of time."""
     amplitude: float = 1.0
-    phase: float = 0.0
+    phase: Annotated[float, ANGLE] = 0.0
     """In radians."""
     mean: float = 0.0
 
@@ -79,9 +104,9 @@ class Pulse(Strict):
     """
 
     kind: Literal["pulse"] = "pulse"
-    start: float = 0.0
-    end: float
-    peak: float | None = None
+    start: Annotated[float, TIME] = 0.0
+    end: Annotated[float, TIME]
+    peak: Annotated[float, TIME] | None = None
     """Time of the highest point of a triangle, ``start`` and ``end`` included; the middle unless given."""
     shape: Literal["triangle", "half-sine", "rectangle"] = "triangle"
 
@@ -121,24 +146,64 @@ Time = Annotated[Table | Ramp | Sine | Pulse, Field(discriminator="kind")]
 class VectorTable(Strict):
     """Vectors at given times, piecewise linear between them, constant outside."""
 
-    t: Numbers
+    t: Times
     value: Vectors
 
     @model_validator(mode="after")
     def _table(self) -> Self:
-        _check_table(self.t, self.value)
+        check_table(self.t, self.value)
         return self
 
     def __call__(self, t: float) -> Array:
         return np.array([np.interp(t, self.t, column) for column in zip(*self.value, strict=True)])
 
 
-def _check_table(t: tuple[float, ...], value: tuple[Any, ...]) -> None:
+class PlaceTable(VectorTable):
+    """Displacements at given times, piecewise linear between them, constant outside."""
+
+    value: Places
+
+
+class TurnTable(VectorTable):
+    """Rotation vectors at given times, piecewise linear between them, constant outside."""
+
+    value: Annotated[tuple[Angles, ...], Field(strict=False, min_length=2)]
+
+
+def check_table(t: tuple[float, ...], value: tuple[Any, ...], key: str = "t", other: str = "value") -> None:
+    """Refuse a table whose columns have not the same length, or whose first one does not increase."""
     if len(t) != len(value):
-        raise refuse(f"t has {len(t)} entries and value has {len(value)}", "give one value for every t")
+        raise refuse(f"{key} has {len(t)} entries and {other} has {len(value)}", f"give one {other} for every {key}")
     for k, (a, b) in enumerate(pairwise(t), 1):
         if b <= a:
-            raise refuse(f"t must increase, but {b:g} follows {a:g}", "sort the table, drop repeated times", "t", k)
+            raise refuse(
+                f"{key} must increase, but {b:g} follows {a:g}", "sort the table, drop what is repeated", key, k
+            )
+
+
+@dataclass(frozen=True)
+class AlongRod:
+    """A number or a vector times a factor of the arclength and one of time, as ``Model.actuate`` calls it."""
+
+    value: float | tuple[float, ...]
+    s: tuple[float, ...]
+    along: tuple[float, ...]
+    factor: Time | None
+
+    def __call__(self, t: float, s: float) -> Array:
+        there = float(np.interp(s, self.s, self.along))
+        return (1.0 if self.factor is None else self.factor(t)) * there * np.array(self.value)
+
+
+@dataclass(frozen=True)
+class Route:
+    """Where a tendon runs (2,), by the fraction of arclength."""
+
+    fraction: tuple[float, ...]
+    offset: tuple[tuple[float, float], ...]
+
+    def __call__(self, fraction: float) -> Array:
+        return np.array([np.interp(fraction, self.fraction, column) for column in zip(*self.offset, strict=True)])
 
 
 @dataclass(frozen=True)

@@ -5,28 +5,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from directrix.errors import ModelError
 from directrix.model import Model
-from directrix.schema.base import Name, NotNegative, Positive, Strict, Vector
+from directrix.schema.base import LENGTH, Name, NotNegative, Place, Positive, Strict, Vector, refuse
+from directrix.schema.units import SI
 from directrix.section import Section
 
 __all__ = ["AnyGeometry", "Catenary", "Centreline", "build_geometry"]
 
 Count = Annotated[int, Field(ge=1, le=10_000)]
 Elements = Annotated[int, Field(ge=1, le=1_000_000)]
-Place = Annotated[tuple[float, float], Field(strict=False)]
+Length = Annotated[Positive, LENGTH]
+UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048}
 
 
 class Catenary(Strict):
     """A chain that hangs between two points."""
 
-    start: Vector
-    end: Vector
-    length: Positive
+    start: Place
+    end: Place
+    length: Length
     down: Vector = (0.0, 0.0, -1.0)
     """Direction of gravity."""
 
@@ -36,12 +38,19 @@ class Centreline(Strict):
 
     file: str
     """CSV file, beside the case."""
-    smoothing: NotNegative = 0.0
+    smoothing: Annotated[NotNegative, LENGTH] = 0.0
     """Largest distance that the axis may have from the points."""
     columns: Annotated[tuple[Name | int, ...], Field(strict=False, min_length=3, max_length=4)] | None = None
     """Names or positions of x, y, z (and of a parameter that rises)."""
     unit: Positive | Literal["m", "mm", "cm", "um", "µm", "km", "in", "ft"] = 1.0
-    """Of the coordinates, in lengths of the model."""
+    """Of the coordinates, in lengths of the model, or by its name."""
+
+    @field_validator("unit", mode="after")
+    @classmethod
+    def _named(cls, value: float | str, info: ValidationInfo) -> float | str:
+        """A name as a number, where the lengths of the model are not metres."""
+        metre = info.context["units"].length if info.context else 1.0
+        return value if metre == 1.0 or not isinstance(value, str) else UNITS[value] / metre
 
 
 class Many(Strict):
@@ -62,7 +71,7 @@ class Read(Many):
     """A section of this case for all rods, or sections by group or layer."""
     scale: Positive = 1.0
     """A length of the file in lengths of the model."""
-    snap: NotNegative | None = None
+    snap: Annotated[NotNegative, LENGTH] | None = None
     """Ends nearer than this become one node; 1e-6 of the size unless given. All of it is reported."""
 
 
@@ -94,6 +103,13 @@ class BeamDyn(Strict):
     elements: Elements | None = None
     order: Literal[1, 2, 3] = 2
 
+    @model_validator(mode="after")
+    def _in_metres(self, info: ValidationInfo) -> Self:
+        units = info.context["units"] if info.context else SI
+        if (units.length, units.mass, units.time) != (SI.length, SI.mass, SI.time):
+            raise refuse("a blade of BeamDyn is in metres, kilograms and seconds", "leave [units] out", "kind")
+        return self
+
 
 class Rule(Many):
     """Rods by rule."""
@@ -107,8 +123,8 @@ class Grid(Rule):
     kind: Literal["grid"]
     counts: Annotated[tuple[Count, Count], Field(strict=False)]
     """Cells along x and y."""
-    cell: Annotated[tuple[Positive, Positive], Field(strict=False)]
-    origin: Vector = (0.0, 0.0, 0.0)
+    cell: Annotated[tuple[Length, Length], Field(strict=False)]
+    origin: Place = (0.0, 0.0, 0.0)
 
 
 class Lattice(Rule):
@@ -117,18 +133,18 @@ class Lattice(Rule):
     kind: Literal["cubic", "octet"]
     counts: Annotated[tuple[Count, Count, Count], Field(strict=False)]
     """Cells along x, y and z."""
-    cell: Positive
+    cell: Length
     """Edge of a cell."""
-    origin: Vector = (0.0, 0.0, 0.0)
+    origin: Place = (0.0, 0.0, 0.0)
 
 
 class Ring(Rule):
     """A ring of arcs."""
 
     kind: Literal["ring"]
-    radius: Positive
+    radius: Length
     parts: Annotated[int, Field(ge=2, le=10_000)] = 4
-    centre: Vector = (0.0, 0.0, 0.0)
+    centre: Place = (0.0, 0.0, 0.0)
     normal: Vector = (0.0, 0.0, 1.0)
 
 
@@ -136,11 +152,11 @@ class Spring(Rule):
     """A helix spring along z."""
 
     kind: Literal["spring"]
-    radius: Positive
-    pitch: Positive
+    radius: Length
+    pitch: Length
     turns: float
     """Active coils; negative winds left-handed."""
-    wire: Positive | None = None
+    wire: Length | None = None
     """Diameter; that of a round section unless given."""
     end_coils: NotNegative = 0.0
     """Closed coils at each end."""
@@ -155,8 +171,8 @@ class Weave(Rule):
     kind: Literal["weave"]
     counts: Annotated[tuple[Count, Count], Field(strict=False)]
     """Warps and wefts."""
-    spacing: Positive
-    amplitude: Positive
+    spacing: Length
+    amplitude: Length
     """Half of the distance of the axes where yarns cross."""
     weft: Name | None = None
     """Section of the wefts; that of the warps unless given."""
@@ -196,7 +212,7 @@ def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: 
     taken = {rod.name for rod in model.rods}
     for rod in made.rods:
         if rod.name in taken:
-            raise ModelError(f"there are two rods called {rod.name!r}", "give each rod a name of its own")
+            raise ModelError(f"there are two rods called {rod.name!r}", "give each rod a name of its own", code="DX422")
     both = replace(model, rods=(*model.rods, *made.rods), imported=(*model.imported, *made.imported))
     return replace(both, nodes=(*both.nodes, *made.nodes), joints=(*both.joints, *made.joints))
 

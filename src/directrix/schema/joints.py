@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from directrix.schema.base import Name, NotNegative, Positive, Strict, Vector, refuse
+from directrix.schema.base import (
+    ANGLE,
+    FORCE,
+    FORCE_PER_LENGTH,
+    FORCE_PER_SPEED,
+    LENGTH,
+    MOMENT,
+    MOMENT_PER_SPIN,
+    Name,
+    NotNegative,
+    Place,
+    Positive,
+    Strict,
+    Vector,
+    refuse,
+)
 from directrix.schema.functions import Table, Time
 
 __all__ = ["AnyJoint", "Driven", "Joint", "Node"]
@@ -16,7 +31,7 @@ class Node(Strict):
     """A node that is on no rod: bodies, links and joints attach to it."""
 
     name: Name
-    at: Vector
+    at: Place
     """Where it is in the reference."""
 
 
@@ -38,14 +53,14 @@ class Rigid(Joint):
 
 
 class _Placed(Joint):
-    at: Vector | None = None
+    at: Place | None = None
     """Where it is in the reference; at its second node unless given, at its only one when it is on the ground."""
 
 
 class _Ball(_Placed):
-    stiffness: NotNegative = 0.0
+    stiffness: Annotated[NotNegative, MOMENT] = 0.0
     """Moment per angle against any relative rotation."""
-    damping: NotNegative = 0.0
+    damping: Annotated[NotNegative, MOMENT_PER_SPIN] = 0.0
     """Moment per relative spin."""
 
 
@@ -75,7 +90,8 @@ def _number_or_table(value: object) -> str:
     return "table" if isinstance(value, dict | Table) else "number"
 
 
-InTime = Annotated[Annotated[float, Tag("number")] | Annotated[Table, Tag("table")], Discriminator(_number_or_table)]
+T = TypeVar("T")
+InTime = Annotated[Annotated[T, Tag("number")] | Annotated[Table, Tag("table")], Discriminator(_number_or_table)]
 
 
 class Driven(_Placed):
@@ -90,9 +106,9 @@ class Driven(_Placed):
     """Coordinate where the spring is at rest."""
     damping: NotNegative = 0.0
     """Force or moment per rate of the coordinate."""
-    prescribed: InTime | None = None
+    prescribed: InTime[float] | None = None
     """The coordinate: a number (times ``time``), or a table ``{ t = […], value = […] }``."""
-    drive: InTime | None = None
+    drive: InTime[float] | None = None
     """Force or moment on the coordinate: a number (times ``time``), or a table."""
     time: Time | None = None
     """Factor on ``prescribed`` or ``drive`` given as a number."""
@@ -120,15 +136,50 @@ class Hinge(Driven):
     """Turns about an axis; its coordinate is the angle in radians, any number of turns."""
 
     kind: Literal["hinge"]
+    stiffness: Annotated[NotNegative, MOMENT] = 0.0
+    """Moment of a spring, per angle."""
+    rest: Annotated[float, ANGLE] = 0.0
+    """Angle where the spring is at rest."""
+    damping: Annotated[NotNegative, MOMENT_PER_SPIN] = 0.0
+    """Moment per rate of the angle."""
+    prescribed: InTime[Annotated[float, ANGLE]] | None = None
+    """The angle: a number (times ``time``), or a table ``{ t = […], value = […] }``."""
+    drive: InTime[Annotated[float, MOMENT]] | None = None
+    """Moment on the angle: a number (times ``time``), or a table."""
+    stops: Annotated[tuple[Annotated[float, ANGLE], Annotated[float, ANGLE]], Field(strict=False)] | None = None
+    """Lower and upper end of its way, beyond which springs of ``stop_stiffness`` act."""
+    stop_stiffness: Annotated[Positive, MOMENT] | None = None
+    """Of the springs at both stops."""
+    stop_width: Annotated[Positive, ANGLE] | None = None
+    """The change is smooth over it; a thousandth of the way between the stops unless given."""
 
 
-class Cylindrical(Driven):
+class _Sliding(Driven):
+    stiffness: Annotated[NotNegative, FORCE_PER_LENGTH] = 0.0
+    """Force of a spring, per displacement."""
+    rest: Annotated[float, LENGTH] = 0.0
+    """Displacement where the spring is at rest."""
+    damping: Annotated[NotNegative, FORCE_PER_SPEED] = 0.0
+    """Force per rate of the displacement."""
+    prescribed: InTime[Annotated[float, LENGTH]] | None = None
+    """The displacement: a number (times ``time``), or a table ``{ t = […], value = […] }``."""
+    drive: InTime[Annotated[float, FORCE]] | None = None
+    """Force on the displacement: a number (times ``time``), or a table."""
+    stops: Annotated[tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]], Field(strict=False)] | None = None
+    """Lower and upper end of its way, beyond which springs of ``stop_stiffness`` act."""
+    stop_stiffness: Annotated[Positive, FORCE_PER_LENGTH] | None = None
+    """Of the springs at both stops."""
+    stop_width: Annotated[Positive, LENGTH] | None = None
+    """The change is smooth over it; a thousandth of the way between the stops unless given."""
+
+
+class Cylindrical(_Sliding):
     """Slides along an axis and turns about it; its coordinate is the displacement."""
 
     kind: Literal["cylindrical"]
 
 
-class Slider(Driven):
+class Slider(_Sliding):
     """Slides along an axis and does not turn; its coordinate is the displacement."""
 
     kind: Literal["slider"]

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import re
-import tomllib
-from collections.abc import Callable, Mapping
+import pathlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
 
 from directrix import checks, controls
 from directrix.errors import InputError, ModelError
-from directrix.schema.build import build_control, build_model, build_records, placed
-from directrix.schema.messages import Source, explain
+from directrix.findings import Finding
+from directrix.model import Model
+from directrix.schema.blame import Blame, at_entry, placed
+from directrix.schema.build import build_control, build_model, build_records, entries_of
+from directrix.schema.messages import Source, explain, together
 from directrix.schema.models import (
     PARAMETERS,
     ArcLength,
@@ -27,19 +29,24 @@ from directrix.schema.models import (
     Output,
     Scheme,
     Statics,
+    Units,
 )  # fmt: skip
-from directrix.schema.places import json_places, toml_places
+from directrix.schema.places import Path
+from directrix.schema.plausible import plausible
+from directrix.schema.text import parse, read
+from directrix.schema.units import SI, UnitSet, unit
+from directrix.schema.versions import FORMAT, migrated
 
 if TYPE_CHECKING:
     from directrix.controls import Control
     from directrix.discretisation import Discretisation
-    from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
-    from directrix.model import Model
     from directrix.points import Recorder
     from directrix.result import Result
 
-__all__ = ["Case", "json_schema", "load_case"]
+__all__ = ["SCHEMA_ID", "Case", "json_schema", "load_case"]
+
+SCHEMA_ID = f"urn:directrix:case:{FORMAT}"
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,8 @@ class Case:
     output : the ``[output]`` table
     source : the file
     sha256 : of the file's bytes
+    units : what its plain numbers are in
+    warnings : what is likely not meant
     records : the ``[[record]]`` tables
     record_in : the folder that their files go to; without one nothing is recorded
     """
@@ -64,10 +73,12 @@ class Case:
     model: Model
     analysis: Statics | Dynamics
     output: Output
-    source: Path
+    source: pathlib.Path
     sha256: str
+    units: UnitSet = SI
+    warnings: tuple[Finding, ...] = ()
     records: tuple[Recorder, ...] = ()
-    record_in: Path | None = None
+    record_in: pathlib.Path | None = None
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
@@ -89,7 +100,7 @@ class Case:
     def findings(self) -> tuple[Finding, ...]:
         """What may be wrong with the case, though it can be run. Raises ModelError."""
         static = isinstance(self.analysis, Statics)
-        return self.model.check(static=static, dynamic=not static)
+        return *self.warnings, *self.model.check(static=static, dynamic=not static)
 
     @property
     def control(self) -> Control | None:
@@ -112,6 +123,8 @@ class Case:
                 control=self.control,
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
+                rotation=do.rotation,
+                stability=do.stability,
                 threads=threads,
                 save_every=save_every,
                 record=self._recorders(),
@@ -147,6 +160,21 @@ class Case:
         return BY_NAME[do.integrator](**do.parameters)
 
     @property
+    def duration(self) -> float:
+        """Time, or load factor, up to which its loads are followed."""
+        return self.analysis.t_end if isinstance(self.analysis, Dynamics) else 1.0
+
+    @property
+    def steps(self) -> int:
+        """Steps asked for; of a path followed by its length, the most that it may take."""
+        do = self.analysis
+        if isinstance(do, Dynamics):
+            return round(do.t_end / do.dt)
+        if do.control is None:
+            return do.steps
+        return do.control.max_steps if isinstance(do.control, ArcLength) else do.control.steps
+
+    @property
     def scheme(self) -> str:
         """Name of the time step; empty for a static case."""
         return self.analysis.integrator if isinstance(self.analysis, Dynamics) else ""
@@ -166,37 +194,152 @@ class Case:
 def load_case(path: str | PathLike[str]) -> Case:
     """Read a TOML or JSON case file.
 
-    Raises InputError, with file, line and key, for anything that cannot be right in the file or the model.
+    Raises InputError for anything that cannot be right in the file or the model: all that is wrong at once, each with
+    file, line, column and key in its ``mistakes``.
     """
-    file = checks.file(path, "path")
-    raw = _read(file)
-    source = _parse(file, raw)
-    try:
-        tables = CaseFile.model_validate(source.data)
-    except ValidationError as error:
-        raise explain(error.errors(include_url=False), source, CaseFile) from None
+    with np.errstate(all="ignore"):  # what overflows is refused for what comes of it
+        return _load(checks.file(path, "path"))
+
+
+def _load(file: pathlib.Path) -> Case:
+    raw = read(file)
+    source, noted = parse(file, raw)
+    source = replace(source, data=migrated(source))
+    units = _units(source)
+    tables, wrong = _tables(source, units)
+    blame = Blame(source, wrong.left)
+    found = [*noted, *wrong.found]
+    if tables is None:
+        raise together(found)
     title = tables.title or file.stem
-    model = build_model(tables, title, source)
-    analysis = tables.statics or tables.dynamics
-    assert analysis is not None  # one of them, says the schema
-    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
+    model = build_model(tables, title, blame)
+    static = tables.statics is not None
+    if not found and not blame.found:
+        analysis = tables.statics or tables.dynamics
+        assert analysis is not None  # one of them, says the schema
+        sha = hashlib.sha256(raw).hexdigest()
+        case = Case(
+            title, tables.description, model, analysis, tables.output, file, sha, units, plausible(tables, model, units)
+        )
+        try:
+            disc = case.check()
+        except ModelError as error:
+            blame = _blame_entries(tables, title, Blame(source), static)
+            if not blame.found:
+                raise _whole(tables, source, error) from None
+        else:
+            if tables.statics is not None and tables.statics.control is not None:
+                with placed(source, ("statics", "control")):
+                    _check_control(case.control, disc, tables.statics.control)
+            return replace(case, records=build_records(tables, source, disc.mesh))
+    else:
+        blame = _blame_entries(tables, title, Blame(source, wrong.left), static)
+    raise together([*found, *blame.found])
+
+
+@dataclass(frozen=True)
+class _Wrong:
+    """What the schema found, and the entries that are left out because of it."""
+
+    found: tuple[InputError, ...] = ()
+    left: tuple[Path, ...] = ()
+
+
+def _tables(source: Source, units: UnitSet) -> tuple[CaseFile | None, _Wrong]:
+    """The tables; where some are wrong those that are left, so that the model can be looked at as well."""
+    context = {"units": units}
     try:
-        disc = case.check()
-    except ModelError as error:
-        build_model(tables, title, source, check_each=True)
-        # no entry is to blame alone: name the rod, node or joint that is spoken of, or the analysis
-        spoken = [
-            (key, k)
-            for key in ("rod", "joint", "node")
-            for k, entry in enumerate(getattr(tables, key))
-            if repr(entry.name) in error.what
-        ]
-        with placed(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",)):
-            raise
-    if tables.statics is not None and tables.statics.control is not None:
-        with placed(source, ("statics", "control")):
-            _check_control(case.control, disc, tables.statics.control)
-    return replace(case, records=build_records(tables, source, disc.mesh))
+        return CaseFile.model_validate(source.data, context=context), _Wrong()
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+    said = explain(errors, source, CaseFile)
+    left = tuple({_entry(e["loc"]): None for e in errors})
+    rest = _without(source.data, left)
+    try:
+        return CaseFile.model_validate(rest, context=context), _Wrong((said,), left)
+    except ValidationError as error:
+        again = [e for e in error.errors(include_url=False) if e.get("ctx", {}).get("code") == "DX218"]
+        known = any(loc in ((), ("statics",), ("dynamics",)) for loc in left)
+        more = () if known or not again else (explain(again, source, CaseFile),)
+        return None, _Wrong((said, *more), left)
+
+
+def _entry(loc: tuple[str | int, ...]) -> Path:
+    """One of several tables, or the only one."""
+    several = len(loc) > 1 and (isinstance(loc[1], int) or loc[0] == "section")
+    return loc[:2] if several else loc[:1]
+
+
+def _without(data: Mapping[str, Any], left: Sequence[Path]) -> Mapping[str, Any]:
+    """The data without some entries; an analysis that is left out becomes the plainest of its kind."""
+    out: dict[str, Any] = dict(data)
+    for key in {str(loc[0]) for loc in left if loc}:
+        gone = {loc[1] for loc in left if loc[0] == key and len(loc) > 1}
+        value = out.get(key)
+        if isinstance(value, list) and gone:
+            out[key] = [item for k, item in enumerate(cast("list[Any]", value)) if k not in gone]
+        elif isinstance(value, dict) and gone:
+            out[key] = {k: item for k, item in cast("dict[str, Any]", value).items() if k not in gone}
+        else:
+            out.pop(key, None)
+    for key, plain in (("statics", {}), ("dynamics", {"t_end": 1.0, "dt": 1.0})):
+        if key in data and key not in out:
+            out[key] = plain
+    return out
+
+
+def _blame_entries(tables: CaseFile, title: str, blame: Blame, static: bool) -> Blame:
+    """Look for every entry that does not fit the others."""
+    entries = list(entries_of(tables, blame))
+    # gravity asks whether anything has mass, so it comes when all is there
+    entries.sort(key=lambda entry: entry[0][0] == "gravity")
+    blame.absorb(Model(name=title), entries, lambda model: model.check(dynamic=not static))
+    return blame
+
+
+def _whole(tables: CaseFile, source: Source, error: ModelError) -> InputError:
+    """No entry is to blame alone: name the rod, node or joint that is spoken of, or the analysis."""
+    spoken = [
+        (key, k)
+        for key in ("rod", "joint", "node")
+        for k, entry in enumerate(getattr(tables, key))
+        if repr(entry.name) in error.what
+    ]
+    return at_entry(source, spoken[0] if spoken else ("statics" if tables.statics else "dynamics",), error)
+
+
+def _units(source: Source) -> UnitSet:
+    """The set of units of the file. Raises InputError."""
+    try:
+        given = Units.model_validate(source.data.get("units", {}))
+    except ValidationError as error:
+        errors = [{**e, "loc": ("units", *e["loc"])} for e in error.errors(include_url=False)]
+        raise explain(errors, source, CaseFile) from None
+    if not given.model_fields_set:
+        return SI
+    sizes: dict[str, float] = {}
+    wanted = {"length": (1, 0, 0), "time": (0, 0, 1), "mass": (0, 1, 0), "force": (1, 1, -2)}
+    for key, powers in wanted.items():
+        name = getattr(given, key)
+        if name is None:
+            continue
+        try:
+            sizes[key], found = unit(name)
+        except PydanticCustomError as error:
+            said = error.context or {}
+            raise InputError(said["what"], said["fix"], source.where(("units", key)), said["code"]) from None
+        if found != powers:
+            raise InputError(
+                f"{name!r} is no unit of {key}",
+                'e.g. length = "mm", force = "N"',
+                source.where(("units", key)),
+                "DX304",
+            )
+    mass = sizes.get("mass", 1.0)
+    if "force" in sizes:
+        mass = sizes["force"] * sizes["time"] ** 2 / sizes["length"]
+    names = tuple((key, getattr(given, key)) for key in wanted if getattr(given, key) is not None)
+    return UnitSet(mass, sizes["length"], sizes["time"], names)
 
 
 def _check_control(control: Control | None, disc: Discretisation, table: ArcLength | DisplacementControl) -> None:
@@ -211,80 +354,5 @@ def _check_control(control: Control | None, disc: Discretisation, table: ArcLeng
 
 def json_schema() -> dict[str, Any]:
     """The JSON schema of a case file, for editors and for other programs."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **CaseFile.model_json_schema()}
-
-
-def _read(file: Path) -> bytes:
-    try:
-        return file.read_bytes()
-    except FileNotFoundError:
-        raise InputError(
-            "there is no such file", "check the path; directrix examples lists ready cases", str(file)
-        ) from None
-    except IsADirectoryError:
-        raise InputError("this is a folder, not a case file", "name the .toml or .json file in it", str(file)) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the permissions", str(file)) from None
-
-
-def _parse(file: Path, raw: bytes) -> Source:
-    if file.suffix.lower() not in (".toml", ".json"):
-        raise InputError(
-            f"{file.suffix or 'no'} ending: not a case file", "case files end in .toml or .json", str(file)
-        )
-    try:
-        text = raw.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise InputError("is not UTF-8 text", "save the file as UTF-8", f"{file}:{line}") from None
-    data: Any
-    try:
-        if file.suffix.lower() == ".toml":
-            data, places = tomllib.loads(text), toml_places
-        else:
-            data, places = json.loads(text if text.strip() else "{}", object_pairs_hook=_unique), json_places
-    except tomllib.TOMLDecodeError as error:
-        raise _syntax(file, text, str(error)) from None
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"not valid JSON: {error.msg}", "mend the syntax near this place", f"{file}:{error.lineno}"
-        ) from None
-    except _TwiceError as twice:
-        raise InputError(f"the key {twice} is given twice", "keep one of them", str(file)) from None
-    except ValueError:  # Python's own limit on the digits of a whole number
-        raise InputError("holds a number of thousands of digits", "shorten it", str(file)) from None
-    except RecursionError:
-        raise InputError("is nested too deeply", "a case file needs no such nesting", str(file)) from None
-    if data == {}:
-        raise InputError(
-            "the case is empty",
-            "describe a section, a rod and an analysis; directrix examples prints cases to begin with",
-            f"{file}:1",
-        )
-    if not isinstance(data, dict):
-        raise InputError("the top of the file is not a table", "write an object in braces { … }", f"{file}:1")
-    return Source(str(file), cast("dict[str, Any]", data), places(text))
-
-
-def _syntax(file: Path, text: str, message: str) -> InputError:
-    """The parser's sentence carries the place; at the end of the file it says so in words."""
-    at = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)", message)
-    line = at[1] if at and at[1] else str(len(text.splitlines()) or 1)
-    reason = message[: at.start()] if at else message
-    fix = "mend the syntax at this place; texts stand in quotes, lists in brackets"
-    if at and at[2]:
-        fix += f" (column {at[2]})"
-    return InputError(f"not valid TOML: {reason}", fix, f"{file}:{line}")
-
-
-class _TwiceError(Exception):
-    pass
-
-
-def _unique(pairs: list[tuple[str, Any]]) -> Mapping[str, Any]:
-    out: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in out:
-            raise _TwiceError(repr(key))
-        out[key] = value
-    return out
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID}
+    return {**head, **CaseFile.model_json_schema()}

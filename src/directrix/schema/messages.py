@@ -1,4 +1,4 @@
-"""From what pydantic found to one message with file, line, key and a fix."""
+"""From what pydantic found to messages with file, line, column, key and a fix."""
 
 from __future__ import annotations
 
@@ -10,37 +10,40 @@ from typing import Any, cast, get_args
 from pydantic import BaseModel
 
 from directrix.errors import InputError
-from directrix.schema.places import Path
+from directrix.schema.places import Path, Spot
+from directrix.schema.units import meant, quantity
 
-__all__ = ["Source", "explain"]
+__all__ = ["Source", "explain", "together"]
+
+LOOKED_AT = 200  # mistakes of one file
 
 
 @dataclass(frozen=True)
 class Source:
-    """A case file that was read: its name for messages, its data, and the lines of its keys."""
+    """A case file that was read: its name for messages, its data, and the places of its keys."""
 
     name: str
     data: Mapping[str, Any]
-    lines: Mapping[Path, int]
+    spots: Mapping[Path, Spot]
 
     def where(self, loc: Sequence[str | int] = (), missing: bool = False) -> str:
-        """``file.toml:12: rod[left].elements`` for a path.
+        """``file.toml:12:1: rod[left].elements`` for a path.
 
         Parts that the file does not have are passed over, except the last one of a ``missing`` key, which is
-        shown with the line of the table that lacks it.
+        shown with the place of the table that lacks it.
         """
         path: Path = ()
         shown = ""
         value: Any = self.data
         for part in loc:
-            if (*path, part) in self.lines:
+            if (*path, part) in self.spots:
                 path = (*path, part)
                 value = value[part]
                 shown += _label(part, value) if isinstance(part, int) else f".{part}"
         if missing and isinstance(loc[-1], str):
             shown += f".{loc[-1]}"
-        line = self.lines.get(path, 1)
-        return f"{self.name}:{line}" + (f": {shown.lstrip('.')}" if shown else "")
+        line, column = self.spots.get(path, Spot(1, 1))
+        return f"{self.name}:{line}:{column}" + (f": {shown.lstrip('.')}" if shown else "")
 
 
 def _label(index: int, item: object) -> str:
@@ -54,92 +57,130 @@ def _label(index: int, item: object) -> str:
 
 
 def explain(errors: Sequence[Mapping[str, Any]], source: Source, root: type[BaseModel]) -> InputError:
-    """One error for all that pydantic reported; the first in full, the rest a line each."""
+    """One error with all that pydantic reported, in the order of the file."""
     # pydantic counts the entries of a list that are good; one that has enough was reported already
     real = [e for e in errors if e["type"] != "too_short" or len(e["input"]) < e["ctx"]["min_length"]]
+    real = real[:LOOKED_AT]
     # a misspelt key is the likely cause of the missing one beside it
+    meant_keys = {
+        (*e["loc"][:-1], near)
+        for e in real
+        if e["type"] == "extra_forbidden"
+        for near in get_close_matches(str(e["loc"][-1]), _keys(root, e["loc"][:-1]), 1, 0.5)
+    }
+    real = [e for e in real if e["type"] != "missing" or e["loc"] not in meant_keys]
     order = sorted(real, key=lambda e: (e["type"] != "extra_forbidden", e["type"] == "missing"))
-    places = [source.where((*e["loc"], *_below(e)), e["type"] == "missing") for e in order]
-    sentences = [_sentence(e, root) for e in order]
-    what, fix = sentences[0]
-    if rest := [f"\n    {place}: {text}" for place, (text, _) in zip(places[1:], sentences[1:], strict=True)]:
-        fix += f"\n  (and {len(rest)} more)" + "".join(rest)
-    return InputError(what, fix, places[0])
+    found: dict[tuple[str, str], InputError] = {}
+    for e in order:
+        code, what, fix = _sentence(e, root)
+        where = source.where((*e["loc"], *_below(e)), e["type"] == "missing")
+        found.setdefault((where, what), InputError(what, fix, where, code))
+    return together(list(found.values()))
 
 
-def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str]:
-    """What is wrong and how to mend it, for one pydantic error."""
+def together(errors: Sequence[InputError]) -> InputError:
+    """One error for several."""
+    flat = [one for error in errors for one in error.mistakes]
+    first, *rest = flat
+    alone = tuple(InputError(e.what, e.fix, e.where, e.code) for e in rest)
+    return InputError(first.what, first.fix, first.where, first.code, alone)
+
+
+def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str, str]:
+    """Code, what is wrong and how to mend it, for one pydantic error."""
     kind, given, limits = str(error["type"]), error["input"], error.get("ctx", {})
     key = str(error["loc"][-1]) if error["loc"] else "the file"
     shown = f"is {_show(given)}, but must be"
     match kind:
         case "case":
-            return str(limits["what"]), str(limits["fix"])
+            return str(limits["code"]), str(limits["what"]), str(limits["fix"])
         case "extra_forbidden":
-            known = [k for model in _models_at(root, error["loc"][:-1]) for k in model.model_fields]
+            known = _keys(root, error["loc"][:-1])
             near = get_close_matches(key, known, 1, 0.5)
             fix = f"did you mean {near[0]!r}? " if near else ""
-            return f"unknown key {key!r}", f"{fix}known here: {', '.join(known)}"
+            return "DX201", f"unknown key {_short(key)}", f"{fix}known here: {', '.join(known)}"
         case "missing" if isinstance(error["loc"][-1], int):
-            return "has too few entries", f"give {_entries(error['loc'])}"
+            return "DX213", "has too few entries", f"give {_entries(error['loc'])}"
         case "missing":
-            return f"{key!r} is missing", f"add {key} = …"
+            return "DX202", f"{key!r} is missing", f"add {key} = …"
         case "float_type" | "int_parsing_size" if type(given) is int:
-            return f"{shown} a smaller number", "check the number of digits"
+            return "DX212", f"{shown} a smaller number", "check the number of digits"
         case "float_type":
-            return f"{shown} a number", "write it without quotes, e.g. 0.5"
+            return "DX203", f"{shown} a number", _as_number(given)
         case "finite_number":
-            return f"{shown} finite", "write an ordinary number; nan and inf are refused"
+            return "DX204", f"{shown} finite", "write an ordinary number; nan and inf are refused"
         case "int_type" | "int_from_float":
-            return f"{shown} a whole number", "write it without a decimal point, e.g. 10"
+            fix = "write it without a decimal point, e.g. 10"
+            if isinstance(given, float) and given.is_integer() and abs(given) < 1e15:
+                fix = f"write {int(given)}, without a decimal point"
+            return "DX205", f"{shown} a whole number", fix
         case "string_type":
-            return f"{shown} a text", 'write it in quotes, e.g. "left"'
+            return "DX206", f"{shown} a text", 'write it in quotes, e.g. "left"'
         case "string_too_short" | "string_pattern_mismatch" | "string_too_long":
-            return f"{shown} a name of 1 to 80 characters without blanks around it", 'e.g. "left"'
+            return "DX207", f"{shown} a name of 1 to 80 characters without blanks around it", 'e.g. "left"'
         case "bool_type":
-            return f"{shown} true or false", "write true or false, without quotes"
+            return "DX208", f"{shown} true or false", "write true or false, without quotes"
         case "literal_error":
-            return f"{shown} {limits['expected']}", _nearest(given, str(limits["expected"]))
+            return "DX209", f"{shown} {limits['expected']}", _nearest(given, str(limits["expected"]))
         case "union_tag_invalid":
             found = limits["tag"]
-            return f"there is no kind {found!r}", _nearest(found, str(limits["expected_tags"]))
+            return "DX210", f"there is no kind {_short(str(found))}", _nearest(found, str(limits["expected_tags"]))
         case "union_tag_not_found":
             kinds = [k for model in _models_at(root, error["loc"]) for k in _kinds(model)]
-            return "'kind' is missing", f"say which kind it is, one of {', '.join(kinds)}"
+            return "DX211", "'kind' is missing", f"say which kind it is, one of {', '.join(kinds)}"
         case "greater_than":
-            return f"{shown} greater than {limits['gt']:g}", "check the sign and the units"
+            return "DX212", f"{shown} greater than {limits['gt']:g}", "check the sign and the units"
         case "greater_than_equal":
-            return f"{shown} at least {limits['ge']:g}", "check the sign and the units"
+            return "DX212", f"{shown} at least {limits['ge']:g}", "check the sign and the units"
         case "less_than":
-            return f"{shown} less than {limits['lt']:g}", "check the value"
+            return "DX212", f"{shown} less than {limits['lt']:g}", "check the value"
         case "less_than_equal":
-            return f"{shown} at most {limits['le']:g}", "check the value"
+            return "DX212", f"{shown} at most {limits['le']:g}", "check the value"
         case "too_long":
             return (
+                "DX213",
                 f"has {limits['actual_length']} entries, but takes {limits['max_length']}",
                 "remove the others",
             )
         case "too_short":
             return (
+                "DX213",
                 f"has {limits['actual_length']} entries, but needs {limits['min_length']}",
                 "add the missing ones",
             )
         case "tuple_type" if isinstance(given, dict):
             return (
+                "DX216",
                 "is one table, but there may be several",
                 f"write the header as [[{key}]], with double brackets",
             )
         case "tuple_type":
-            return f"{shown} a list", "write it in brackets, e.g. [0, 0, 1]"
+            return "DX214", f"{shown} a list", "write it in brackets, e.g. [0, 0, 1]"
         case "model_type" | "model_attributes_type" | "dict_type" if isinstance(given, list):
             return (
+                "DX216",
                 "is a list of tables, but there is only one",
                 f"write the header as [{key}], with single brackets",
             )
         case "model_type" | "model_attributes_type" | "dict_type":
-            return f"{shown} a table", f"write it as [{key}] or {{ … }}"
+            return "DX215", f"{shown} a table", f"write it as [{key}] or {{ … }}"
         case _:
-            return f"{_show(given)}: {error['msg']}", "see: directrix schema"
+            return "DX219", f"{_show(given)}: {error['msg']}", "see: directrix schema"
+
+
+def _as_number(given: object) -> str:
+    """How to write what was given as a number."""
+    if isinstance(given, str):
+        if value := meant(given):
+            angle = " (angles are in radians)" if any(mark in given for mark in ("°", "deg", "pi", "π")) else ""
+            return f"write {value}, without quotes{angle}"
+        if parts := quantity(given):
+            return f"write {parts[0]:g}, without quotes and without a unit"
+    return "write it without quotes, e.g. 0.5"
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 60 else f"{text[:57]}…")
 
 
 def _show(value: object) -> str:
@@ -148,9 +189,10 @@ def _show(value: object) -> str:
         case bool():
             return str(value).lower()
         case str():
-            text = f'the text "{value}"'
+            text = f'the text "{value[:60]}"'
         case list():
-            text = f"the list {value}"
+            few = cast("list[Any]", value)
+            text = f"the list {few}" if len(few) < 20 else f"a list of {len(few)} entries"
         case dict():
             text = "a table"
         case int() if value.bit_length() > 100:
@@ -201,6 +243,12 @@ def _models_at(root: type[BaseModel], loc: Sequence[str | int]) -> list[type[Bas
                 break
         models = found or models
     return models
+
+
+def _keys(root: type[BaseModel], loc: Sequence[str | int]) -> list[str]:
+    """The keys that a table may have."""
+    fields = (item for model in _models_at(root, loc) for item in model.model_fields.items())
+    return list(dict.fromkeys(field.alias or key for key, field in fields))
 
 
 def _kinds(model: type[BaseModel]) -> tuple[str, ...]:

@@ -11,8 +11,37 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from directrix.checks import step_count
 from directrix.errors import ModelError
-from directrix.schema.base import Name, NotNegative, Positive, Strict, Tolerance, Vector, Vectors, refuse
-from directrix.schema.functions import Time, VectorTable
+from directrix.schema.base import (
+    ACCELERATION,
+    ANGLE,
+    CURVATURE,
+    DEGREES,
+    DRAG,
+    FORCE,
+    FORCE_PER_AREA_LENGTH,
+    FORCE_PER_LENGTH,
+    FORCE_PER_SPEED,
+    INERTIA,
+    LENGTH,
+    MASS,
+    MOMENT,
+    SPEED,
+    STRESS,
+    TIME,
+    Name,
+    NotNegative,
+    Numbers,
+    Place,
+    Places,
+    Positive,
+    Speed,
+    Spin,
+    Strict,
+    Tolerance,
+    Vector,
+    refuse,
+)
+from directrix.schema.functions import Angles, PlaceTable, Time, TurnTable, VectorTable, check_table
 from directrix.schema.geometry import AnyGeometry, Catenary, Centreline
 from directrix.schema.joints import AnyJoint, Node
 from directrix.schema.sections import Section
@@ -24,12 +53,25 @@ def _vector_or_table(value: object) -> str:
     return "table" if isinstance(value, dict | VectorTable) else "vector"
 
 
-Motion = Annotated[
-    Annotated[Vector, Tag("vector")] | Annotated[VectorTable, Tag("table")], Discriminator(_vector_or_table)
+Displacement = Annotated[
+    Annotated[Place, Tag("vector")] | Annotated[PlaceTable, Tag("table")], Discriminator(_vector_or_table)
 ]
+Turning = Annotated[
+    Annotated[Angles, Tag("vector")] | Annotated[TurnTable, Tag("table")], Discriminator(_vector_or_table)
+]
+_F = Annotated[float, FORCE]
+_M = Annotated[float, MOMENT]
+_Q = Annotated[float, FORCE_PER_LENGTH]
+_G = Annotated[float, ACCELERATION]
+_I = Annotated[float, INERTIA]
+Forces = Annotated[tuple[_F, _F, _F], Field(strict=False)]
+Moments = Annotated[tuple[_M, _M, _M], Field(strict=False)]
+LineLoads = Annotated[tuple[_Q, _Q, _Q], Field(strict=False)]
+Accelerations = Annotated[tuple[_G, _G, _G], Field(strict=False)]
+Inertias = Annotated[tuple[_I, _I, _I], Field(strict=False)]
 
 
-Pair = tuple[float, float]
+Twist = tuple[float, Annotated[float, ANGLE]]
 
 # --- rods
 
@@ -37,20 +79,20 @@ Pair = tuple[float, float]
 class Arc(Strict):
     """Circular arc through three points."""
 
-    start: Vector
-    through: Vector
-    end: Vector
+    start: Place
+    through: Place
+    end: Place
 
 
 class Helix(Strict):
     """Circular helix around an axis."""
 
-    radius: Positive
-    pitch: float
+    radius: Annotated[Positive, LENGTH]
+    pitch: Annotated[float, LENGTH]
     """Climb per turn."""
     turns: float
     """Number of turns; negative winds left-handed."""
-    origin: Vector = (0.0, 0.0, 0.0)
+    origin: Place = (0.0, 0.0, 0.0)
     """A point of the axis; the helix starts beside it."""
     axis: Vector = (0.0, 0.0, 1.0)
     """Direction of the axis."""
@@ -67,22 +109,24 @@ class Rod(Strict):
     name: Name
     section: Name
     """Name of a ``[section.…]`` of this file."""
-    line: Annotated[tuple[Vector, Vector], Field(strict=False)] | None = None
+    line: Annotated[tuple[Place, Place], Field(strict=False)] | None = None
     """Straight from the first to the second point."""
     arc: Arc | None = None
     """Circular arc."""
     helix: Helix | None = None
     """Circular helix."""
-    polyline: Vectors | None = None
+    polyline: Places | None = None
     """Straight between the points."""
-    spline: Annotated[tuple[Vector, ...], Field(strict=False, min_length=3)] | None = None
+    spline: Annotated[tuple[Place, ...], Field(strict=False, min_length=3)] | None = None
     """Smooth through three points or more."""
     catenary: Catenary | None = None
     """Chain that hangs between two points."""
     centreline: Centreline | None = None
     """Smooth through the points of a file."""
     twist: (
-        float | Annotated[tuple[Annotated[Pair, Field(strict=False)], ...], Field(strict=False, min_length=2)] | None
+        Annotated[float, ANGLE]
+        | Annotated[tuple[Annotated[Twist, Field(strict=False)], ...], Field(strict=False, min_length=2)]
+        | None
     ) = None
     """Turn [rad] of the sections about the axis at its end, or pairs (fraction of the arclength, angle)."""
     d1: Vector | None = None
@@ -140,8 +184,9 @@ class Turn(Strict):
 
     axis: Vector
     """Direction of the line; right-handed."""
-    degrees: float
-    about: Vector = (0.0, 0.0, 0.0)
+    degrees: Annotated[float, DEGREES]
+    """The angle; its plain number is in degrees."""
+    about: Place = (0.0, 0.0, 0.0)
     """A point of the line."""
     time: Time | None = None
     """Factor on ``degrees``; statics ramps it unless given, dynamics needs it."""
@@ -157,9 +202,9 @@ class Prescribe(Strict):
     """A node that is moved: displacement and rotation vector from the reference, a rigid turn on top."""
 
     node: Name
-    displacement: Motion | None = None
+    displacement: Displacement | None = None
     """Vector (times ``time``), or a table ``{ t = […], value = [[…], …] }``."""
-    rotation: Motion | None = None
+    rotation: Turning | None = None
     """Rotation vector in radians (times ``time``), or a table."""
     turn: Turn | None = None
     """Rigid turn that follows the displacement."""
@@ -195,6 +240,9 @@ class Load(Strict):
 class Force(Load):
     """Force at a node."""
 
+    value: Forces
+    """Vector in the global frame."""
+
     node: Name
     follower: bool = False
     """It turns with the node; ``value`` is then its direction in the reference."""
@@ -203,6 +251,9 @@ class Force(Load):
 class Moment(Load):
     """Spatial moment at a node."""
 
+    value: Moments
+    """Vector in the global frame."""
+
     node: Name
     follower: bool = False
     """It turns with the node; ``value`` is then its direction in the reference."""
@@ -210,6 +261,9 @@ class Moment(Load):
 
 class Distributed(Load):
     """Force per reference length along a rod."""
+
+    value: LineLoads
+    """Vector in the global frame."""
 
     rod: Name
     follower: bool = False
@@ -220,8 +274,8 @@ class Pressure(Strict):
     """Pressure on one side of a rod: value · width per reference length, along a director."""
 
     rod: Name
-    value: float
-    width: Positive = 1.0
+    value: Annotated[float, STRESS]
+    width: Annotated[Positive, LENGTH] = 1.0
     along: Literal["d1", "d2", "-d1", "-d2"] = "d1"
     """The director that it pushes along; the force follows the section."""
     time: Time | None = None
@@ -233,21 +287,24 @@ class Pressure(Strict):
 class Gravity(Load):
     """Acceleration of free fall."""
 
+    value: Accelerations
+    """Vector in the global frame."""
+
 
 class Velocity(Strict):
     """Initial velocity of one node."""
 
     node: Name
-    v: Vector
-    omega: Vector = (0.0, 0.0, 0.0)
+    v: Speed
+    omega: Spin = (0.0, 0.0, 0.0)
 
 
 class RigidVelocity(Strict):
     """Initial velocity of the whole model: v + omega × (r − about)."""
 
-    v: Vector
-    omega: Vector = (0.0, 0.0, 0.0)
-    about: Vector = (0.0, 0.0, 0.0)
+    v: Speed
+    omega: Spin = (0.0, 0.0, 0.0)
+    about: Place = (0.0, 0.0, 0.0)
 
 
 # --- what is attached
@@ -257,7 +314,7 @@ def _name_or_place(value: object) -> str:
     return "node" if isinstance(value, str) else "place"
 
 
-End = Annotated[Annotated[Name, Tag("node")] | Annotated[Vector, Tag("place")], Discriminator(_name_or_place)]
+End = Annotated[Annotated[Name, Tag("node")] | Annotated[Place, Tag("place")], Discriminator(_name_or_place)]
 
 
 class Link(Strict):
@@ -269,48 +326,82 @@ class Link(Strict):
     """Node of the first point."""
     b: End
     """Node of the second point, or the place [x, y, z] on the ground."""
-    offset_a: Vector = (0.0, 0.0, 0.0)
+    offset_a: Place = (0.0, 0.0, 0.0)
     """From the node to the first point, in the reference; turns with the node."""
-    offset_b: Vector = (0.0, 0.0, 0.0)
+    offset_b: Place = (0.0, 0.0, 0.0)
     """From the node to the second point."""
 
 
 class Spring(Link):
     """Linear spring."""
 
-    stiffness: Positive
-    length: NotNegative | None = None
+    stiffness: Annotated[Positive, FORCE_PER_LENGTH]
+    length: Annotated[NotNegative, LENGTH] | None = None
     """Without tension; the distance in the reference unless given."""
-    damping: NotNegative = 0.0
+    damping: Annotated[NotNegative, FORCE_PER_SPEED] = 0.0
     """Force per rate of length."""
 
 
 class Cable(Spring):
     """Pulls and does not push."""
 
-    width: Positive | None = None
+    width: Annotated[Positive, LENGTH] | None = None
     """Length over which the change is smooth; a thousandth of ``length`` unless given."""
 
 
 class Dashpot(Link):
     """Force proportional to the rate of length, in dynamics."""
 
-    damping: Positive
+    damping: Annotated[Positive, FORCE_PER_SPEED]
 
 
 # --- what drives and resists
+
+
+Offset = tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]]
+Curvatures = tuple[Annotated[float, CURVATURE], Annotated[float, CURVATURE]]
+
+
+class Along(Strict):
+    """A factor along a rod, piecewise linear, constant before the first and after the last place."""
+
+    s: Annotated[tuple[Annotated[float, LENGTH], ...], Field(strict=False, min_length=2)]
+    """Arclengths from the start of the rod."""
+    factor: Numbers
+    """One for each."""
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        check_table(self.s, self.factor, "s", "factor")
+        return self
+
+
+class OffsetTable(Strict):
+    """Where a tendon runs, piecewise linear along its rod."""
+
+    fraction: Numbers
+    """Of the arclength."""
+    offset: Annotated[tuple[Annotated[Offset, Field(strict=False)], ...], Field(strict=False, min_length=2)]
+    """Distance from the axis along d1 and d2, one pair for each."""
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        check_table(self.fraction, self.offset, "fraction", "offset")
+        return self
 
 
 class Actuate(Strict):
     """Strain at which a rod is without stress; what is given adds up."""
 
     rod: Name
-    curvature: Annotated[Pair, Field(strict=False)] | None = None
+    curvature: Annotated[Curvatures, Field(strict=False)] | None = None
     """Bending 1 and bending 2, about d1 and d2."""
-    twist: float | None = None
+    twist: Annotated[float, CURVATURE] | None = None
     elongation: float | None = None
     strain: Annotated[tuple[float, float, float, float, float, float], Field(strict=False)] | None = None
     """Shear 1, shear 2, axial, bending 1, bending 2, torsion."""
+    along: Along | None = None
+    """Factor along the rod."""
     time: Time | None = None
     """Factor of time; statics ramps with the load factor unless given."""
 
@@ -324,12 +415,14 @@ class Tendon(Strict):
     """The rod that it goes along, through the ends of its elements."""
     nodes: Annotated[tuple[Name, ...], Field(strict=False, min_length=2)] | None = None
     """The nodes that it goes through."""
-    tension: NotNegative
-    offset: Annotated[Pair, Field(strict=False)] = (0.0, 0.0)
+    tension: Annotated[NotNegative, FORCE]
+    offset: Annotated[Offset, Field(strict=False)] = (0.0, 0.0)
     """Along a rod: distance from the axis along d1 and d2."""
-    offset_end: Annotated[Pair, Field(strict=False)] | None = None
+    offset_end: Annotated[Offset, Field(strict=False)] | None = None
     """The same at the end of the rod, linear between; ``offset`` unless given."""
-    offsets: Vectors | None = None
+    route: OffsetTable | None = None
+    """Along a rod: where it runs, in place of offset and offset_end."""
+    offsets: Places | None = None
     """Through nodes: from each node to its point, in the reference."""
     time: Time | None = None
     """Factor of time (statics: of the load factor, which multiplies the tension as well unless ``constant``)."""
@@ -342,6 +435,10 @@ class Tendon(Strict):
             raise refuse("a tendon needs either rod or nodes", "name the rod it goes along, or the nodes")
         if self.offsets is not None and self.rod is not None:
             raise refuse("offsets belong to nodes", "a tendon along a rod has offset and offset_end", "offsets")
+        if self.route is not None and (self.rod is None or {"offset", "offset_end"} & self.model_fields_set):
+            raise refuse(
+                "route is all that is said of where a tendon along a rod runs", "leave the others out", "route"
+            )
         return self
 
 
@@ -349,11 +446,11 @@ class Drag(Strict):
     """Quadratic drag of a fluid: −normal |v_n| v_n − tangential |v_t| v_t per reference length."""
 
     rod: Name
-    normal: NotNegative
+    normal: Annotated[NotNegative, DRAG]
     """½ ρ C_n d."""
-    tangential: NotNegative = 0.0
+    tangential: Annotated[NotNegative, DRAG] = 0.0
     """½ ρ C_t π d."""
-    flow: Vector = (0.0, 0.0, 0.0)
+    flow: Speed = (0.0, 0.0, 0.0)
     """Velocity of the fluid."""
     time: Time | None = None
     """Factor on ``flow`` (statics: of the load factor, which multiplies it as well unless ``constant``)."""
@@ -365,15 +462,15 @@ class PointMass(Strict):
     """Mass on a node."""
 
     node: Name
-    mass: Positive
+    mass: Annotated[Positive, MASS]
 
 
 class RigidBody(PointMass):
     """Rigid body on a node, its centre of mass there or ``offset`` from it."""
 
-    inertia: Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
+    inertia: Annotated[tuple[Inertias, Inertias, Inertias], Field(strict=False)]
     """3×3 about its centre of mass, in the reference frame."""
-    offset: Vector | None = None
+    offset: Place | None = None
     """From the node to its centre of mass, which is then a node "NODE.body" in a rigid joint of that name."""
 
 
@@ -384,7 +481,7 @@ class Plane(Strict):
     """A plane."""
 
     kind: Literal["plane"]
-    point: Vector
+    point: Place
     normal: Vector
     """To where the rods are."""
 
@@ -393,8 +490,8 @@ class Sphere(Strict):
     """A sphere."""
 
     kind: Literal["sphere"]
-    center: Vector
-    radius: NotNegative
+    center: Place
+    radius: Annotated[NotNegative, LENGTH]
     inside: bool = False
     """The rods are within it."""
 
@@ -403,10 +500,10 @@ class Cylinder(Strict):
     """A cylinder without ends."""
 
     kind: Literal["cylinder"]
-    point: Vector
+    point: Place
     """A point of its axis."""
     axis: Vector
-    radius: NotNegative
+    radius: Annotated[NotNegative, LENGTH]
     inside: bool = False
     """The rods are within it: a pipe."""
 
@@ -419,15 +516,15 @@ class Touch(Strict):
 
     name: Name | None = None
     """"contact1", "contact2", … unless given."""
-    stiffness: Positive
+    stiffness: Annotated[Positive, FORCE_PER_AREA_LENGTH]
     """Force per penetration and per length of rod."""
     friction: NotNegative = 0.0
     """Coulomb's coefficient, in dynamics."""
-    slip_speed: Positive | None = None
+    slip_speed: Annotated[Positive, SPEED] | None = None
     """Sliding speed below which friction falls off; needed with friction."""
-    radius: Positive | None = None
+    radius: Annotated[Positive, LENGTH] | None = None
     """Of the rods; that of a round section unless given."""
-    width: Positive | None = None
+    width: Annotated[Positive, LENGTH] | None = None
     """Penetration over which the force rises; a tenth of the radius unless given."""
 
 
@@ -437,7 +534,7 @@ class Contact(Touch):
     obstacle: Annotated[Plane | Sphere | Cylinder, Field(discriminator="kind")]
     rods: RodNames | None = None
     """All unless given."""
-    radius: NotNegative | None = None
+    radius: Annotated[NotNegative, LENGTH] | None = None
     """Of the rods; that of a round section unless given."""
 
 
@@ -483,7 +580,7 @@ class Reach(Strict):
 
     node: Name
     component: Literal["x", "y", "z"]
-    displacement: float
+    displacement: Annotated[float, LENGTH]
     """From the reference; reached when it is this much or more, in the sense of its sign."""
 
     @model_validator(mode="after")
@@ -523,7 +620,7 @@ class DisplacementControl(Strict):
     kind: Literal["displacement"]
     node: Name
     component: Literal["x", "y", "z"]
-    to: float
+    to: Annotated[float, LENGTH]
     """Displacement from the reference to reach."""
     steps: Annotated[int, Field(ge=1, le=1_000_000)] = 10
     """Equal parts of the way; they are cut when needed."""
@@ -543,6 +640,10 @@ class Statics(Strict):
     """What drives the path in place of the load factor."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
+    rotation: Literal["exponential", "cayley"] = "exponential"
+    """Update of the rotations in an iteration; both reach the same state."""
+    stability: bool | None = None
+    """Count the negative pivots at every saved state and look for critical points; with a control unless said."""
 
     @model_validator(mode="after")
     def _one_drive(self) -> Self:
@@ -554,8 +655,8 @@ class Statics(Strict):
 class Dynamics(Strict):
     """Motion from t = 0 to t_end."""
 
-    t_end: Positive
-    dt: Positive
+    t_end: Annotated[Positive, TIME]
+    dt: Annotated[Positive, TIME]
     """Time step; ``t_end`` must be a whole number of them."""
     integrator: Scheme = "energy-momentum"
     chi_stress: NotNegative | None = None
@@ -609,7 +710,7 @@ class Record(Strict):
     """A point of a rod whose history goes to ``record-NAME.csv`` while the run goes on."""
 
     rod: Name
-    s: NotNegative
+    s: Annotated[NotNegative, LENGTH]
     """Arclength on the reference axis; any, not only that of a node."""
     quantities: Annotated[
         tuple[Literal["r", "displacement", "v", "strain", "force"], ...], Field(strict=False, min_length=1)
@@ -619,8 +720,33 @@ class Record(Strict):
     """Of the file; default: rod and ``s``."""
 
 
+class Units(Strict):
+    """The units of plain numbers, in which the case is computed: length, time, and force or mass."""
+
+    length: str = "m"
+    time: str = "s"
+    mass: str | None = None
+    """kg unless given, or what the force makes of it."""
+    force: str | None = None
+    """In place of a mass."""
+
+    @model_validator(mode="after")
+    def _force_or_mass(self) -> Self:
+        if self.force is not None and self.mass is not None:
+            raise refuse(
+                "force and mass are both given, and one follows from the other", "keep one", "mass", code="DX304"
+            )
+        return self
+
+
 class CaseFile(Strict):
     """A case: sections, rods, nodes, what joins, holds, moves and loads them, and one analysis."""
+
+    schema_: Annotated[str, Field(alias="$schema")] = ""
+    """For editors: where the JSON schema is. In TOML a first line ``#:schema PATH`` says the same."""
+    format_version: Annotated[int, Field(ge=1)] = 1
+    """Of the case format; 1 is that of this directrix."""
+    units: Units = Units()
 
     title: str = ""
     description: str = ""
@@ -677,9 +803,16 @@ class CaseFile(Strict):
     @model_validator(mode="after")
     def _one_analysis(self) -> Self:
         if self.statics is None and self.dynamics is None:
-            raise refuse("the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve")
+            raise refuse(
+                "the file has neither [statics] nor [dynamics]", "add one of them: it says what to solve", code="DX218"
+            )
         if self.statics is not None and self.dynamics is not None:
-            raise refuse("the file has both [statics] and [dynamics]", "one file, one analysis: keep one", "dynamics")
+            raise refuse(
+                "the file has both [statics] and [dynamics]",
+                "one file, one analysis: keep one",
+                "dynamics",
+                code="DX218",
+            )
         if self.statics is not None and not self.grounded:
             raise refuse(
                 "nothing is held, and statics needs a support for every part of the model",

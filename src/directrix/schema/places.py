@@ -1,6 +1,6 @@
-"""Where every key of a case file stands, so that a message can name the line.
+"""Where every key of a case file stands, so that a message can name line and column.
 
-Both scanners read text that the standard parsers have accepted already; they only follow it and note lines.
+Both scanners read text that the standard parsers have accepted already; they only follow it and note places.
 """
 
 from __future__ import annotations
@@ -13,13 +13,20 @@ from typing import NamedTuple
 
 Path = tuple[str | int, ...]
 
-__all__ = ["Path", "json_places", "toml_places"]
+__all__ = ["Path", "Spot", "has_comments", "json_places", "toml_places"]
+
+
+class Spot(NamedTuple):
+    """Line and column, from 1."""
+
+    line: int
+    column: int
 
 
 class _Token(NamedTuple):
     kind: str
     text: str
-    line: int
+    spot: Spot
 
 
 _TOML = re.compile(
@@ -30,21 +37,23 @@ _JSON = re.compile(r'(?P<text>"(?:\\.|[^"\\])*")|(?P<mark>[\[\]{}:,])|(?P<bare>[
 
 
 def _tokens(pattern: re.Pattern[str], text: str) -> Iterator[_Token]:
-    line, last = 1, 0
+    line, last, start = 1, 0, 0
     for match in pattern.finditer(text):
-        line, last = line + text.count("\n", last, match.start()), match.start()
-        yield _Token(match.lastgroup or "", match.group(), line)
+        if passed := text.count("\n", last, match.start()):
+            line, start = line + passed, text.rindex("\n", last, match.start()) + 1
+        last = match.start()
+        yield _Token(match.lastgroup or "", match.group(), Spot(line, last - start + 1))
 
 
 class _Toml:
-    """A cursor over the tokens; ``lines`` fills as it goes."""
+    """A cursor over the tokens; ``spots`` fills as it goes."""
 
     def __init__(self, text: str) -> None:
         self.tokens = [t for t in _tokens(_TOML, text) if t.kind != "comment"] + [
-            _Token("end", "", text.count("\n") + 1)
+            _Token("end", "", Spot(text.count("\n") + 1, 1))
         ]
         self.at = 0
-        self.lines: dict[Path, int] = {(): 1}
+        self.spots: dict[Path, Spot] = {(): Spot(1, 1)}
         self.tables: dict[Path, int] = {}  # arrays of tables: how many so far
 
     @property
@@ -71,12 +80,12 @@ class _Toml:
             parts += [tomllib.loads(f"k={token.text}")["k"]] if quoted else [p for p in token.text.split(".") if p]
         return parts
 
-    def note(self, path: Path, line: int) -> None:
+    def note(self, path: Path, spot: Spot) -> None:
         for n in range(1, len(path) + 1):
-            self.lines.setdefault(path[:n], line)
+            self.spots.setdefault(path[:n], spot)
 
     def value(self, path: Path) -> None:
-        self.note(path, self.here.line)
+        self.note(path, self.here.spot)
         if self.at_mark("["):
             self.take()
             self.skip(",")
@@ -98,14 +107,14 @@ class _Toml:
                 pass
 
     def pair(self, table: Path) -> None:
-        line = self.here.line
+        spot = self.here.spot
         path = (*table, *self.key())
-        self.note(path, line)
+        self.note(path, spot)
         self.take()  # the equals sign
         self.value(path)
 
     def header(self) -> Path:
-        line = self.take().line
+        spot = self.take().spot
         several = self.at_mark("[")
         if several:
             self.take()
@@ -113,16 +122,16 @@ class _Toml:
         parts = self.key()
         for n, part in enumerate(parts, 1):
             path = (*path, part)
-            self.note(path, line)
+            self.note(path, spot)
             if several and n == len(parts):
                 self.tables[path] = self.tables.get(path, 0) + 1
             if path in self.tables:
                 path = (*path, self.tables[path] - 1)
-        self.note(path, line)
+        self.note(path, spot)
         self.skip("]")
         return path
 
-    def document(self) -> dict[Path, int]:
+    def document(self) -> dict[Path, Spot]:
         table: Path = ()
         self.skip()
         while self.here.kind != "end":
@@ -131,23 +140,28 @@ class _Toml:
             else:
                 self.pair(table)
             self.skip()
-        return self.lines
+        return self.spots
 
 
-def toml_places(text: str) -> Mapping[Path, int]:
-    """Line (from 1) of every key, table and list item of valid TOML, by its path from the top."""
+def toml_places(text: str) -> Mapping[Path, Spot]:
+    """Place of every key, table and list item of valid TOML, by its path from the top."""
     return _Toml(text).document()
 
 
-def json_places(text: str) -> Mapping[Path, int]:
-    """Line (from 1) of every key and list item of valid JSON, by its path from the top."""
-    lines: dict[Path, int] = {(): 1}
+def has_comments(text: str) -> bool:
+    """True when valid TOML has a comment other than the schema it names."""
+    return any(t.kind == "comment" and not t.text.startswith("#:schema") for t in _tokens(_TOML, text))
+
+
+def json_places(text: str) -> Mapping[Path, Spot]:
+    """Place of every key and list item of valid JSON, by its path from the top."""
+    spots: dict[Path, Spot] = {(): Spot(1, 1)}
     stack: list[str | int] = []  # path to the value that comes next
     kinds: list[str] = []
     wants_key = False
     for token in _tokens(_JSON, text):
         if token.text in ("{", "["):
-            lines.setdefault(tuple(stack), token.line)
+            spots.setdefault(tuple(stack), token.spot)
             kinds.append(token.text)
             stack.append("" if token.text == "{" else 0)
             wants_key = token.text == "{"
@@ -163,5 +177,5 @@ def json_places(text: str) -> Mapping[Path, int]:
             if wants_key:
                 stack[-1] = json.loads(token.text)
                 wants_key = False
-            lines.setdefault(tuple(stack), token.line)
-    return lines
+            spots.setdefault(tuple(stack), token.spot)
+    return spots

@@ -4,9 +4,27 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from directrix.schema.base import NotNegative, Positive, Strict, refuse
+from directrix.schema.base import (
+    ANGLE,
+    AREA,
+    BENDING,
+    CURVATURE,
+    DENSITY,
+    FORCE,
+    INERTIA_PER_LENGTH,
+    LENGTH,
+    MASS,
+    MASS_PER_LENGTH,
+    SECOND_MOMENT,
+    STRESS,
+    TIME,
+    NotNegative,
+    Positive,
+    Strict,
+    refuse,
+)
 
 __all__ = [
     "Circle",
@@ -20,35 +38,46 @@ __all__ = [
     "Rectangle",
     "Section",
     "Shape",
+    "StiffeningBending",
     "Taper",
+    "TensionOnly",
     "Tube",
 ]
 
 Row2 = Annotated[tuple[float, float], Field(strict=False)]
+Lengths2 = Annotated[tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]], Field(strict=False)]
 Row6 = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
 
 
 class Damped(Strict):
     """What every section may have."""
 
-    damping: NotNegative = 0.0
+    damping: Annotated[NotNegative, TIME] = 0.0
     """Kelvin–Voigt damping: viscous matrix over stiffness, a time. Used in dynamics."""
-    turn: float = 0.0
-    """Angle [rad] by which it is turned in its plane, from d1 towards d2; before ``offset``."""
-    offset: Row2 = (0.0, 0.0)
+    turn: Annotated[float, ANGLE] = 0.0
+    """Angle by which it is turned in its plane, from d1 towards d2; before ``offset``."""
+    offset: Lengths2 = (0.0, 0.0)
     """Place of it, as it is, from the axis of the rod, along d1 and d2."""
+    viscous: Annotated[tuple[Row6, Row6, Row6, Row6, Row6, Row6], Field(strict=False)] | None = None
+    """The viscous matrix itself, 6×6, in place of ``damping``; rows in the order of the stiffness."""
+
+    @model_validator(mode="after")
+    def _one_damping(self) -> Self:
+        if self.viscous is not None and "damping" in self.model_fields_set:
+            raise refuse("damping and viscous both say how it is damped", "keep one", "viscous")
+        return self
 
 
 class Material(Damped):
     """What the sections with a shape need of the material."""
 
-    E: Positive
+    E: Annotated[Positive, STRESS]
     """Young's modulus (force per area)."""
     nu: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
     """Poisson's ratio; G = E / (2 (1 + nu)). Either nu or G."""
-    G: Positive | None = None
+    G: Annotated[Positive, STRESS] | None = None
     """Shear modulus."""
-    rho: NotNegative = 0.0
+    rho: Annotated[NotNegative, DENSITY] = 0.0
     """Density (mass per volume); needed in dynamics and under gravity."""
 
     @model_validator(mode="after")
@@ -68,7 +97,7 @@ class Shape(Material):
 
     shear_factor: Positive | None = None
     """Shear factor; the formula of the shape unless given."""
-    torsion_constant: Positive | None = None
+    torsion_constant: Annotated[Positive, SECOND_MOMENT] | None = None
     """Torsion constant (length⁴); the formula of the shape unless given."""
 
 
@@ -76,16 +105,16 @@ class Circle(Shape):
     """Solid circle."""
 
     kind: Literal["circle"]
-    radius: Positive
+    radius: Annotated[Positive, LENGTH]
 
 
 class Rectangle(Shape):
     """Solid rectangle."""
 
     kind: Literal["rectangle"]
-    width: Positive
+    width: Annotated[Positive, LENGTH]
     """Size along d1."""
-    height: Positive
+    height: Annotated[Positive, LENGTH]
     """Size along d2."""
 
 
@@ -93,9 +122,9 @@ class Tube(Shape):
     """Round tube."""
 
     kind: Literal["tube"]
-    outer: Positive
+    outer: Annotated[Positive, LENGTH]
     """Outer radius."""
-    wall: Positive
+    wall: Annotated[Positive, LENGTH]
     """Wall thickness."""
 
 
@@ -103,13 +132,13 @@ class Properties(Material):
     """Area, second moments and material, as tables of profiles give them."""
 
     kind: Literal["properties"]
-    A: Positive
+    A: Annotated[Positive, AREA]
     """Area."""
-    I1: Positive
+    I1: Annotated[Positive, SECOND_MOMENT]
     """Second moment for bending about d1, ∫ξ2² dA."""
-    I2: Positive
+    I2: Annotated[Positive, SECOND_MOMENT]
     """Second moment for bending about d2, ∫ξ1² dA."""
-    J: Positive
+    J: Annotated[Positive, SECOND_MOMENT]
     """Torsion constant."""
     shear_factor: Positive = 1.0
     """GA1 = GA2 = shear_factor · G · A; A_rho = rho·A, I_rho1 = rho·I2, I_rho2 = rho·I1."""
@@ -121,8 +150,13 @@ class Profile(Material):
     kind: Literal["profile"]
     name: str
     """IPE, HEA, HEB, UPN, CHS, RHS, SHS (cold-formed: CFRHS …) with their sizes, e.g. "IPE200", "RHS 100x50x4"."""
-    unit: Positive = 1e-3
-    """A millimetre in lengths of the model."""
+    unit: Annotated[Positive | None, Field(validate_default=True)] = None
+    """A millimetre in lengths of the model; what the units of the case make of it unless given."""
+
+    @field_validator("unit", mode="before")
+    @classmethod
+    def _millimetre(cls, value: object, info: ValidationInfo) -> object:
+        return 1e-3 / info.context["units"].length if value is None and info.context else value
 
 
 class Taper(Strict):
@@ -141,35 +175,56 @@ class Taper(Strict):
         return self
 
 
-class Moduli(Damped):
+class Principal(Damped):
     """Principal stiffnesses."""
 
-    kind: Literal["moduli"]
-    EA: Positive
-    GA1: Positive
-    GA2: Positive
-    EI1: Positive
+    EA: Annotated[Positive, FORCE]
+    GA1: Annotated[Positive, FORCE]
+    GA2: Annotated[Positive, FORCE]
+    EI1: Annotated[Positive, BENDING]
     """Bending about d1."""
-    EI2: Positive
+    EI2: Annotated[Positive, BENDING]
     """Bending about d2."""
-    GJ: Positive
-    A_rho: NotNegative = 0.0
+    GJ: Annotated[Positive, BENDING]
+    A_rho: Annotated[NotNegative, MASS_PER_LENGTH] = 0.0
     """Mass per length."""
-    I_rho1: NotNegative = 0.0
+    I_rho1: Annotated[NotNegative, INERTIA_PER_LENGTH] = 0.0
     """∫ρ ξ1² dA, on d1 (belongs with EI2)."""
-    I_rho2: NotNegative = 0.0
+    I_rho2: Annotated[NotNegative, INERTIA_PER_LENGTH] = 0.0
     """∫ρ ξ2² dA, on d2 (belongs with EI1)."""
-    EI12: float = 0.0
+
+
+class Moduli(Principal):
+    """Stiffnesses, coupled ones as well."""
+
+    kind: Literal["moduli"]
+    EI12: Annotated[float, BENDING] = 0.0
     """−E ∫ξ1 ξ2 dA."""
-    GA12: float = 0.0
-    I_rho12: float = 0.0
+    GA12: Annotated[float, FORCE] = 0.0
+    I_rho12: Annotated[float, INERTIA_PER_LENGTH] = 0.0
     """∫ρ ξ1 ξ2 dA."""
-    centroid: Row2 = (0.0, 0.0)
+    centroid: Lengths2 = (0.0, 0.0)
     """Where EA and EI act, from the axis along d1 and d2."""
-    shear_centre: Row2 = (0.0, 0.0)
+    shear_centre: Lengths2 = (0.0, 0.0)
     """Where GA and GJ act."""
-    mass_centre: Row2 | None = None
+    mass_centre: Lengths2 | None = None
     """What the inertia is about; the centroid unless given."""
+
+
+class StiffeningBending(Principal):
+    """Bending that stiffens exponentially, as rubbers and tissues do; linear in all else."""
+
+    kind: Literal["stiffening-bending"]
+    onset: Annotated[Positive, CURVATURE]
+    """Curvature at which the moment is e times the linear one."""
+
+
+class TensionOnly(Principal):
+    """A cable: next to no axial force in compression, with a smooth change; linear in all else."""
+
+    kind: Literal["tension-only"]
+    width: Positive
+    """Axial strain over which the change is smooth."""
 
 
 class Matrix(Damped):
@@ -180,15 +235,16 @@ class Matrix(Damped):
     """Symmetric positive definite, by rows."""
     order: Literal["shear-axial", "axial-first"]
     """Of rows and columns: shear 1, shear 2, axial, bending 1, bending 2, torsion, or the axial one first."""
-    A_rho: NotNegative = 0.0
+    A_rho: Annotated[NotNegative, MASS_PER_LENGTH] = 0.0
     """Mass per length."""
     I_rho: Annotated[tuple[Row2, Row2], Field(strict=False)] | None = None
     """∫ρ ξα ξβ dA, 2×2."""
-    S_rho: Row2 = (0.0, 0.0)
+    S_rho: Annotated[tuple[Annotated[float, MASS], Annotated[float, MASS]], Field(strict=False)] = (0.0, 0.0)
     """∫ρ ξα dA, first moments of mass."""
 
 
-Plain = Circle | Rectangle | Tube | Profile | Properties | Moduli | Matrix
+Plain = Circle | Rectangle | Tube | Profile | Properties | Moduli | StiffeningBending | TensionOnly | Matrix
 Section = Annotated[
-    Circle | Rectangle | Tube | Profile | Properties | Moduli | Matrix | Taper, Field(discriminator="kind")
+    Circle | Rectangle | Tube | Profile | Properties | Moduli | StiffeningBending | TensionOnly | Matrix | Taper,
+    Field(discriminator="kind"),
 ]

@@ -1,0 +1,1 @@
+"""Cases to begin with: what `directrix new` writes."""
