@@ -220,12 +220,15 @@ def _given(table: Strict) -> Mapping[str, Any]:
 def _curve(rod: m.Rod, folder: FilePath) -> Curve:
     key = next(key for key in m.CURVES if getattr(rod, key) is not None)
     value = getattr(rod, key)
+    if rod.centreline is not None:  # a file may change, so it is read every time
+        table = dict(_given(rod.centreline))
+        return centreline(folder / table.pop("file"), **table, directors=rod.directors, d1=rod.d1)
     given = tuple(_given(value).items()) if isinstance(value, Strict) else value
-    return _made(key, given, rod.directors, rod.d1, folder)
+    return _made(key, given, rod.directors, rod.d1)
 
 
 @lru_cache(maxsize=256)  # the entries of a file are built again where one is looked for that does not fit
-def _made(key: str, given: Any, directors: Literal["tangent", "chord"], d1: Vec | None, folder: FilePath) -> Curve:
+def _made(key: str, given: Any, directors: Literal["tangent", "chord"], d1: Vec | None) -> Curve:
     match key:
         case "line":
             return line(*given, directors=directors, d1=d1)
@@ -237,9 +240,6 @@ def _made(key: str, given: Any, directors: Literal["tangent", "chord"], d1: Vec 
             return polyline(given, directors=directors, d1=d1)
         case "catenary":
             return catenary(**dict(given), directors=directors, d1=d1)
-        case "centreline":
-            table = dict(given)
-            return centreline(folder / table.pop("file"), **table, directors=directors, d1=d1)
         case _:
             return spline(given, directors=directors, d1=d1)
 
