@@ -11,7 +11,9 @@ GROUPS = {
     "Axes": ("line", "arc", "helix", "polyline", "spline"),
     "Functions of time": ("ramp", "harmonic", "table"),
     "Surfaces": ("Plane", "Sphere", "Cylinder"),
-    "Statics": ("solve_static", "ArcLength", "DisplacementControl", "Snapshot", "branches", "continuation", "form_find"),
+    "Statics": (
+        "solve_static", "ArcLength", "DisplacementControl", "Snapshot", "branches", "continuation", "form_find",
+    ),
     "Dynamics": ("simulate",),
     "Vibration and buckling": ("modes", "Modes", "buckling", "BucklingLoads"),
     "Formulations": ("Directors", "SimoVuQuoc", "CrisfieldJelenic"),
@@ -50,8 +52,8 @@ def page() -> str:
     groups = {**GROUPS, **({"More": rest} if rest else {}), **BEHIND}
     parts = [
         "API reference", "=============", "",
-        "``import directrix as dx``: models, sections, results and strategies are immutable values. What has no module before its",
-        "name in its title is used as ``dx.NAME``; the last three lists are what one meets behind it.",
+        "``import directrix as dx``. Models, sections, results and strategies are immutable values. The first lists are what",
+        "is used as ``dx.NAME``; the last three are what one meets behind it.",
         "",
     ]  # fmt: skip
     for heading, names in groups.items():

@@ -1,4 +1,5 @@
-"""How the pages are built: ``make docs`` does not run the examples, ``make docs-full`` does and draws their pictures."""
+"""How the pages are built: ``make docs`` does not run the examples, ``make docs-full`` does and draws pictures."""
+# ruff: noqa: E402
 
 from __future__ import annotations
 
@@ -12,8 +13,9 @@ sys.path.insert(0, str(HERE))
 os.environ.setdefault("MPLBACKEND", "Agg")
 
 import _api
-import directrix
 from _gallery import WrittenPictures, arguments
+
+import directrix
 
 project = "directrix"
 author = "directrix developers"

@@ -55,7 +55,7 @@ def push(elements: int, shortening: float) -> dx.Result:
     start = dx.solve_static(buckled, steps=10, start=start, raise_on_failure=True)
     held = strip(elements).prescribe("b", displacement=lambda factor: (-shortening, 0.0, 0.0))
     rise = float(start.node("middle").r[-1, 2])
-    control = dx.DisplacementControl("middle", "z", to=-0.9 * rise, steps=20)
+    control = dx.DisplacementControl("middle", "z", to=0.3 * rise, steps=20)
     return dx.solve_static(held.force("middle", (0, 0, -1)), start=start, control=control, raise_on_failure=True)
 
 
