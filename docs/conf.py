@@ -34,7 +34,11 @@ extensions = [
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "**/GALLERY_HEADER.rst"]
 templates_path = ["_templates"]
-suppress_warnings = ["config.cache", "myst.xref_missing"]  # pages link to files of the repository as well
+suppress_warnings = [
+    "config.cache",
+    "myst.xref_missing",
+    "toc.empty_glob",
+]  # pages link to files of the repository as well
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(?!directrix).*"),  # other libraries, words of docstrings

@@ -19,8 +19,7 @@ BLOCK = """
 import sys
 
 class Without:
-    """A finder that does not find what is blocked."""
-
+    # a finder that does not find what is blocked
     def __init__(self, finder):
         self.finder = finder
 

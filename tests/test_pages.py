@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
+import _api
+import _verification
 import pages
 import pytest
 
@@ -15,11 +16,6 @@ from directrix.verification.suite import select
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(DOCS))
-
-import _api
-import _verification
-
 PAGES = [p for p in sorted(DOCS.rglob("*.md")) if not {"_build", "gallery", "api"} & set(p.relative_to(DOCS).parts)]
 RUN = [p for p in PAGES if pages.blocks(p.read_text("utf-8"))]
 

@@ -1,7 +1,7 @@
 """Writes the files of this version: cases, results and runs small enough to keep, in ``tests/corpus/<version>/``.
 
-``make corpus``. What is there already is left as it is: files of a released version are never written again. Every number
-in ``KNOWN`` is a closed form, so the test that reads the files asks them for something that is true.
+``make corpus``. What is there already is left as it is: files of a released version are never written again. Every
+number in ``KNOWN`` is a closed form, so the test that reads the files asks them for something that is true.
 """
 
 from __future__ import annotations
