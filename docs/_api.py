@@ -52,7 +52,7 @@ def page() -> str:
     groups = {**GROUPS, **({"More": rest} if rest else {}), **BEHIND}
     parts = [
         "API reference", "=============", "",
-        "``import directrix as dx``. Models, sections, results and strategies are immutable values. The first lists are",
+        "``import directrix as dx``. Models, sections, results and strategies are values. The first lists are",
         "what is used as ``dx.NAME``; the last three are what one meets behind it.",
         "",
     ]  # fmt: skip

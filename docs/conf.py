@@ -34,11 +34,7 @@ extensions = [
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "**/GALLERY_HEADER.rst"]
 templates_path = ["_templates"]
-suppress_warnings = [
-    "config.cache",
-    "myst.xref_missing",
-    "toc.empty_glob",
-]  # pages link to files of the repository as well
+suppress_warnings = ["config.cache", "myst.xref_missing"]  # pages link to files of the repository as well
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(?!directrix).*"),  # other libraries, words of docstrings
@@ -78,13 +74,14 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"directrix {release}"
 html_static_path = ["_static"]
 html_css_files = ["directrix.css"]
+html_sidebars = {"*": []}  # pages that are no folder have nothing to list
 html_show_sourcelink = False
 html_copy_source = False
 html_context = {"default_mode": "light"}
 html_theme_options = {
     "show_prev_next": True,
     "navbar_end": ["theme-switcher"],
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 4,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
     "footer_end": [],
@@ -104,7 +101,15 @@ def bars(app: object, what: str, name: str, thing: object, options: object, line
         literal = literal or line.endswith("::")
 
 
+def present(app: object, page: str, source: list[str]) -> None:
+    """Patterns of the index that no page is there for are left out: an empty one is an error to Sphinx."""
+    if page == "index":
+        lines = source[0].splitlines(keepends=True)
+        source[0] = "".join(line for line in lines if not line.endswith("*\n") or any(HERE.glob(line.strip() + ".md")))
+
+
 def setup(app: Any) -> None:
     """Write the list of public objects before anything is read."""
     _api.write(HERE / "api.rst")
+    app.connect("source-read", present)
     app.connect("autodoc-process-docstring", bars, priority=400)  # before numpydoc makes another text of it

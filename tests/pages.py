@@ -1,6 +1,6 @@
 """Runs the Python of a page: its blocks one after the other in one namespace, and what they print beside what they say.
 
-A line ``print(…)  # → text`` says what is printed; numbers may differ by one in their last shown digit. ``<!-- run … -->``
+A line ``print(…)  # → text`` says what is printed; numbers may differ by one in their last digit. ``<!-- run … -->``
 is Python that runs and is not shown. ``<!-- not run: reason -->`` before a block leaves it out.
 """
 

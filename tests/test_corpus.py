@@ -1,4 +1,4 @@
-"""Files that released versions wrote are still read, and mean what they meant. ``make corpus`` writes this version's."""
+"""Files that released versions wrote are still read, and mean what they meant; ``make corpus`` writes these."""
 
 from __future__ import annotations
 
