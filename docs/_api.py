@@ -21,6 +21,7 @@ GROUPS = {
         "EnergyMomentum", "Midpoint", "EnergyDissipating", "GeneralizedAlpha", "HilberHughesTaylor", "Newmark",
         "SimoTarnowDoblare",
     ),
+    "Frames past one machine": ("Petsc",),
     "Many runs": ("ensemble", "Ensemble"),
     "Results": ("Result", "Status", "TurningPoint", "load"),
     "Errors": ("DirectrixError", "ModelError", "InputError", "ConvergenceError"),
