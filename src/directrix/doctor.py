@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 
 __all__ = ["extras", "facts", "self_test"]
 
-CORE = ("numpy", "scipy", "numba", "llvmlite", "h5py", "pydantic", "typer", "rich")
+CORE = ("numpy", "scipy", "llvmlite", "h5py", "pydantic", "typer", "rich")
 DEVELOPERS = ("all", "test", "dev", "docs")  # extras that users do not need
 
 
