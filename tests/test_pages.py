@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
 
 import _api
@@ -66,3 +67,17 @@ def test_every_page_is_reached() -> None:
             for entry in (line for line in tree.splitlines() if line and not line.startswith(":")):
                 reached |= set(index.parent.glob(f"{entry}.md"))
     assert named - reached == set()
+
+
+def test_the_functions_of_the_theory_exist() -> None:
+    for name in set(re.findall(r"`([a-z_]+(?:\.\w+)*)`", (DOCS / "theory.md").read_text("utf-8"))):
+        parts = name.split(".")
+        depth = next(k for k in range(len(parts), 0, -1) if find_module(parts[:k]))
+        thing = import_module(".".join(["directrix", *parts[:depth]]))
+        for part in parts[depth:]:
+            assert hasattr(thing, part) or part in getattr(thing, "__dataclass_fields__", {}), name
+            thing = getattr(thing, part, None)
+
+
+def find_module(parts: list[str]) -> bool:
+    return any((ROOT / "src" / "directrix" / "/".join(parts)).with_suffix(end).exists() for end in ("", ".py"))
