@@ -9,7 +9,7 @@ RUN := $(VENV)/bin/python
 INSTALL := $(RUN) -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long test-petsc lint types bench
+.PHONY: help demo test test-long test-petsc lint types bench docs docs-full verification measured corpus
 
 help:
 	@echo "make demo       run the main example: audit, picture, animation, result file, in $(OUT)/"
@@ -19,6 +19,8 @@ help:
 	@echo "make lint       ruff: rules and format"
 	@echo "make types      pyright, strict"
 	@echo "make bench      print the speed of this machine"
+	@echo "make docs       the pages, in docs/_build/html/, without running the gallery"
+	@echo "make docs-full  the same with the gallery's pictures (minutes)"
 
 demo: $(VENV)/.plot
 	@$(VENV)/bin/directrix run src/directrix/cases/free_flight.toml --beside midpoint --out $(OUT)
@@ -46,6 +48,29 @@ types: $(VENV)/.dev
 
 bench: $(VENV)/.plot
 	@for file in benchmarks/[!_]*.py; do echo "== $$file"; $(RUN) "$$file" || exit 1; done
+
+SPHINX = $(RUN) -m sphinx -W --keep-going -q -d docs/_build/doctrees docs docs/_build/html
+
+docs: $(VENV)/.docs
+	@$(SPHINX) -D plot_gallery=0
+	@echo "docs/_build/html/index.html"
+
+docs-full: $(VENV)/.docs
+	@$(SPHINX)
+	@echo "docs/_build/html/index.html"
+
+# --- what is written by programs and kept: the tables of docs/, and the files of tests/corpus/
+
+verification: $(VENV)/.plot
+	@mkdir -p docs/_build
+	@$(VENV)/bin/directrix verify --json docs/_build/rows.json > docs/_build/verify.txt
+	@$(RUN) docs/_verification.py docs/_build/rows.json
+
+measured: $(VENV)/.plot
+	@$(RUN) docs/measure.py
+
+corpus: $(VENV)/.plot
+	@$(RUN) tests/corpus/write.py
 
 # --- environments: a stamp each, older than pyproject.toml means install again
 
@@ -78,4 +103,9 @@ $(VENV)/.plot: pyproject.toml $(VENV)/.made
 $(VENV)/.dev: pyproject.toml $(VENV)/.made
 	@echo "installing directrix and its tools into $(VENV) (once, less than a minute) ..."
 	@$(INSTALL) ".[dev]"
+	@touch $@
+
+$(VENV)/.docs: pyproject.toml $(VENV)/.made
+	@echo "installing directrix and what builds its pages into $(VENV) (once, less than a minute) ..."
+	@$(INSTALL) ".[docs]"
 	@touch $@

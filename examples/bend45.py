@@ -1,4 +1,7 @@
-"""45° bend (Bathe & Bolourchi 1979; Romero & Armero 2002, example 4 and Table II).
+"""45° bend
+========
+
+After Bathe & Bolourchi (1979); Romero & Armero (2002), example 4 and Table II.
 
 An eighth of a circle of radius 100 with unit square section, clamped at one end and loaded at the other by a
 dead force normal to its plane. The paper's row "current" is reproduced digit for digit with its own mesh: eight

@@ -1,4 +1,7 @@
-"""Cantilever under a pulse (Romero & Armero 2002, example 6 and Table III).
+"""Cantilever under a pulse
+========================
+
+Romero & Armero (2002), example 6 and Table III.
 
 Ten linear elements; force and moment (1, 1, 1) g(t) at the tip, g = 100 t/6 up to t = 6, then nothing; Δt = 1,
 some thousand times the stable step of an explicit scheme. From t = 7 on nothing acts and the energy stays what it is.

@@ -1,4 +1,7 @@
-"""Branches of a perfect Euler column: bifurcations found without an imperfection, and followed.
+"""Branches of a perfect Euler column
+==================================
+
+Bifurcations found without an imperfection, and followed.
 
 A clamped column of unit length is pressed at its free end. The straight path is followed past its first three
 bifurcations; each is left to both sides until the end of the column has turned by 60°. Reference: the elastica, whose

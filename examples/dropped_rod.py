@@ -1,4 +1,7 @@
-"""A rod dropped on a floor: it hits with one end, slaps down, bends, jumps, and friction brings it to rest sideways.
+"""Dropped rod
+===========
+
+A rod dropped on a floor: it hits with one end, slaps down, bends, jumps, and friction brings it to rest sideways.
 
 The floor is a plane with a penalty: a force per length that grows with the penetration. A step takes the mean force
 of the penalty's energy, so that bouncing loses nothing whatever the step, and friction is booked as what it takes:

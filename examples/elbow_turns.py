@@ -1,4 +1,7 @@
-"""A loaded elbow whose support turns a hundred times (after Jelenić & Crisfield 1999, example 4).
+"""A loaded elbow whose support turns a hundred times
+==================================================
+
+After Jelenić & Crisfield (1999), example 4.
 
 Two legs of 10 at a right angle, EA = GA = 10⁶, EI = GJ = 10³, five quadratic elements each. A force 5 on the tip,
 normal to the frame, comes first; then the support turns about its direction in steps of 45°. Seen from the turning

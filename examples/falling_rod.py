@@ -1,4 +1,7 @@
-"""A rod sinks through a fluid at rest until the drag carries its weight.
+"""Falling rod
+===========
+
+A rod sinks through a fluid at rest until the drag carries its weight.
 
 The drag per length is c_n v_n² across the axis and c_t v_t² along it. Let go at an inclination α, a stiff rod keeps it,
 because the drag is the same all along, and slides sideways: with m the mass per length its terminal velocity has the

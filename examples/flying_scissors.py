@@ -1,4 +1,7 @@
-"""Flying scissors (after Simo & Vu-Quoc 1986): two links joined by a hinge, thrown at one end.
+"""Flying scissors
+===============
+
+After Simo & Vu-Quoc (1986): two links joined by a hinge, thrown at one end.
 
 Two links of 5 lie in a line from (0, 0) to (6, −8) of the x–z plane, joined by a hinge. EA = GA = 10⁶, EI = 10⁴,
 A_ρ = 1; I_ρ is 10 in the first link and 1 in the second. Until t = 0.5 the free end of the second link carries a force

@@ -1,4 +1,7 @@
-"""A cantilever under a force at its tip that stays normal to it (Argyris 1981; Simo & Vu-Quoc 1986).
+"""Follower force
+==============
+
+A cantilever under a force at its tip that stays normal to it (Argyris 1981; Simo & Vu-Quoc 1986).
 
 Length 100, EI 3.5e7, EA 3.23076e8, GA 1.61538e8; the force grows to 134 000 and turns the tip by 177° and back. In the
 frame of the tip the force is known and the moment is zero, so the exact solution is one integration from the tip to the

@@ -1,4 +1,7 @@
-"""Form finding: a cable drawn straight that hangs, and a flat slack net that is pulled into a saddle.
+"""Form finding
+============
+
+Form finding: a cable drawn straight that hangs, and a flat slack net that is pulled into a saddle.
 
 The cable is 1.2 long and its end is put at a distance of 1 all at once; it falls into the catenary. The net of 6 × 6
 meshes lies flat; its rim is lifted to a saddle at once, which stretches it. Beside the net stands the same one

@@ -1,4 +1,7 @@
-"""Four-bar linkage with flexible links, and the same with one of its hinges askew.
+"""Four-bar linkage
+================
+
+Four-bar linkage with flexible links, and the same with one of its hinges askew.
 
 Crank 1, coupler 3, rocker 2.5, ground 3: the crank turns right round, the rocker swings. All links are rods; four
 hinges join them and the ground. Between rigid links four parallel hinges would hold what others hold already; rods bend

@@ -1,4 +1,7 @@
-"""Free flight of a three-rod frame (Romero & Armero 2002, example 5; Figures 7 to 9).
+"""Free flight of a three-rod frame
+================================
+
+Romero & Armero (2002), example 5; Figures 7 to 9.
 
 Three rods joined at right angles, A (0, 3, 0) – O (0, 0, 0) – B (3, 0, 0) – C (3, 0, 3), five linear elements
 each. Three nodes get a velocity: A −e3, B 2 e3, C −e2 (the shape functions do the rest). Nothing acts, so

@@ -1,4 +1,7 @@
-"""Heavy top: a fast spinning body on a ball joint, falling and precessing under gravity.
+"""Heavy top
+=========
+
+A fast spinning body on a ball joint, falling and precessing under gravity.
 
 Mass 15, inertia diag(0.234375, 0.46875, 0.234375) about the centre, which is at (0, 1, 0) from a spherical joint on
 the ground; spin (0, 150, −4.61538), g = 9.81 along −z. The centre of mass is a node of its own, there is no rod.

@@ -1,4 +1,7 @@
-"""Hinged right-angle frame (Lee, Manuel & Rossow 1968; Romero & Armero 2002, example 3, Figures 3 and 4).
+"""Hinged right-angle frame
+========================
+
+Lee, Manuel & Rossow (1968); Romero & Armero (2002), example 3, Figures 3 and 4.
 
 Two members of length 120, hinged at their outer ends A and B and rigidly joined at the corner C, carry a dead load F
 at P, one fifth of the beam from the corner. The path is followed by its own length past a maximum and a minimum of

@@ -1,4 +1,7 @@
-"""A ring of three rods with three hinges: two opposite forces, and a long flight.
+"""A ring of three rods with three hinges
+======================================
+
+Two opposite forces, and a long flight.
 
 Three arcs of 120° close a ring of radius 1; hinges normal to its plane join them. Such a ring is statically
 determinate: without load between its hinges an arc carries a force along its chord. It is pulled together at one hinge

@@ -1,4 +1,7 @@
-"""Michell's ring: a closed ring that is twisted buckles out of its plane at a total twist of 2π√3 B/C.
+"""Michell's ring
+==============
+
+A closed ring that is twisted buckles out of its plane at a total twist of 2π√3 B/C.
 
 A straight rod with bending stiffness B and torsional stiffness C is bent to a ring. Its end is then turned about its
 tangent against its beginning, where both are held: that takes away the rigid motions of the closed ring and nothing

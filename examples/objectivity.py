@@ -1,4 +1,7 @@
-"""Objectivity (Romero & Armero 2002, example 1; after Crisfield & Jelenić 1999).
+"""Objectivity
+===========
+
+Romero & Armero (2002), example 1; after Crisfield & Jelenić (1999).
 
 A straight rod from A = (0, 0, 2) to B = (0, 0, 5) is clamped at A; B is displaced by ½(1/√2, −1/√2, 0) without
 rotation. Then both ends turn together about (1, 1, 1) in steps of 10°. Seen from the turning frame nothing

@@ -1,4 +1,7 @@
-"""An overhand knot pulled tight: a straight elastic rod that holds itself by where it touches itself.
+"""An overhand knot pulled tight
+=============================
+
+A straight elastic rod that holds itself by where it touches itself.
 
 The rod is laid into the shape of a knot, settles there, and its ends are pulled apart; it is so light that its inertia
 plays no part, and viscous, so that it creeps from one equilibrium to the next. Friction acts where the rod slides on

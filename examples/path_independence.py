@@ -1,4 +1,7 @@
-"""Path independence (Romero & Armero 2002, example 2; after Jelenić & Crisfield 1999).
+"""Path independence
+=================
+
+Romero & Armero (2002), example 2; after Jelenić & Crisfield (1999).
 
 One linear element along e3; its ends are turned to (1, −0.5, 0.25) and (−0.4, 0.7, 0.1), A held in place and B
 free to move. Path I goes there in two equal parts; path II turns A by 0.775 and B by 0.4 of it first. The end

@@ -1,4 +1,7 @@
-"""Robot arms (after Simo & Vu-Quoc 1986): one thrown by a moment, one turned by its motor, one with an elbow.
+"""Robot arms
+==========
+
+After Simo & Vu-Quoc (1986): one thrown by a moment, one turned by its motor, one with an elbow.
 
 Arms of length 10 lie along x and move in the x–z plane, turning from x towards z. Data and reference displacements of
 the tips are those of AeroBeams (its examples momentDrivenRobotArm, rotationDrivenRobotArm and

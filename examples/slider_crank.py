@@ -1,4 +1,7 @@
-"""Slider–crank with a flexible connecting rod at 1400 revolutions a minute.
+"""Slider–crank
+============
+
+Slider–crank with a flexible connecting rod at 1400 revolutions a minute.
 
 A rigid crank of 0.15 m turns in the x–z plane; its angle is prescribed and runs up to 150 rad/s within one revolution.
 A steel rod, 0.3 m long and 6 mm thick, hinges it to a slider of 33 g on the x axis: four joints, of which only the

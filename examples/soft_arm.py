@@ -1,4 +1,7 @@
-"""A soft robot's arm: silicone, three tendons inside, in water.
+"""A soft robot's arm
+==================
+
+Silicone, three tendons inside, in water.
 
 One tendon parallel to the axis at the distance ξ, pulled with T, bends the arm into an arc of curvature κ = T ξ/EI and
 shortens it by T/EA: that is where the energy of arm and tendon together is least. Between the ends of elements the

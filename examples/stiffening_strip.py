@@ -1,4 +1,7 @@
-"""A strip of rubber-like material, by its energy alone: its bending stiffens, and still no energy is lost or gained.
+"""Stiffening strip
+================
+
+A strip of rubber-like material, by its energy alone: its bending stiffens, and still no energy is lost or gained.
 
 The law is a plain Python function of the six strains; stress, tangent and machine code are derived from it. Here
 W has ½ β (exp(q) − 1) in place of ½ (EI1 Ω1² + EI2 Ω2²), with q = (EI1 Ω1² + EI2 Ω2²)/β: ``dx.laws.stiffening_bending``

@@ -1,4 +1,7 @@
-"""A heavy rod let go: pinned at one end, released from the horizontal under gravity.
+"""Swinging rod
+============
+
+A heavy rod let go: pinned at one end, released from the horizontal under gravity.
 
 Nothing is prescribed and nothing dissipates, so what the rod gains in speed and strain is what gravity puts in:
 H(t) − H(0) = work of gravity in every step, whatever the step. A stiff rod starts to fall like the compound

@@ -1,4 +1,7 @@
-"""A twisted rod under tension writhes into a loop.
+"""Writhing rod
+============
+
+A twisted rod under tension writhes into a loop.
 
 Both ends of a straight rod are clamped; one may slide along the axis, is pulled there with T, and is turned. The rod
 stays straight until the moment reaches that of Greenhill's equation for clamped ends, then gives its twist to a helix

@@ -352,7 +352,7 @@ def plot(
     print(f"wrote {draw(result, chosen.value, out or path.with_name(f'{name}.png'), **options)}")
 
 
-@app.command()
+@app.command(epilog="Example: directrix export cantilever.run --to csv")
 @_guarded
 def export(
     result_file: ResultFile,
@@ -391,7 +391,7 @@ def view(
     print(f"wrote {page}, {page.stat().st_size / 1e6:.2g} MB")
 
 
-@app.command()
+@app.command(epilog="Example: directrix movie cantilever.run --out motion.gif")
 @_guarded
 def movie(
     result_file: ResultFile,

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import time
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, requires, version
 
-__all__ = ["facts", "self_test"]
+__all__ = ["extras", "facts", "self_test"]
 
 CORE = ("numpy", "scipy", "llvmlite", "h5py", "pydantic", "typer", "rich")
-EXTRAS = {"matplotlib": "pictures"}
+DEVELOPERS = ("all", "test", "dev", "docs")  # extras that users do not need
 
 
 def facts() -> Iterator[tuple[str, str]]:
@@ -25,8 +26,8 @@ def facts() -> Iterator[tuple[str, str]]:
     yield "python", f"{platform.python_version()} ({platform.python_implementation()}), {platform.platform()}"
     for name in CORE:
         yield name, _version(name) or "MISSING"
-    for name, use in EXTRAS.items():
-        yield name, _version(name) or f'not installed (no {use}); pip install "directrix[plot]"'
+    for name, extra in extras():
+        yield name, _version(name) or f'not installed; pip install "directrix[{extra}]"'
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "processor", f"{llvm.get_host_cpu_name()}, {os.cpu_count()} cores, {usable} usable"
     yield "SIMD", f"{LANES} elements at a time ({64 * LANES} bits)"
@@ -40,6 +41,16 @@ def facts() -> Iterator[tuple[str, str]]:
         else "NOT WRITABLE: every start compiles again; set DIRECTRIX_CACHE_DIR"
     )
     yield "compiled kernels", f"{len(kernels)} in {folder} ({size:.0f} kB), {writable}"
+
+
+def extras() -> Iterator[tuple[str, str]]:
+    """Packages that some features need, each with the first extra that brings it."""
+    seen: set[str] = set()
+    for line in requires("directrix") or ():
+        found = re.match(r"([\w.-]+)[^;]*;.*\bextra\s*==\s*['\"]([\w-]+)", line)
+        if found and found[2] not in DEVELOPERS and found[1] != "directrix" and found[1] not in seen:
+            seen.add(found[1])
+            yield found[1], found[2]
 
 
 def self_test() -> tuple[bool, str]:

@@ -95,8 +95,8 @@ class Law:
 def stiffening_bending(*, EA: float, GA1: float, GA2: float, EI1: float, EI2: float, GJ: float, onset: float) -> Energy:
     """Bending that stiffens exponentially, as rubbers and tissues do (after Fung 1967); linear in all else.
 
-    W = ½(GA1 Γ1² + GA2 Γ2² + EA Γ3² + GJ Ω3²) + ½ β (exp(q) − 1), q = (EI1 Ω1² + EI2 Ω2²)/β, β = ½(EI1 + EI2)
-    ``onset``²: at the curvature ``onset`` the moment is e times the linear one. Raises ModelError for a value that
+    W = ½(GA1 Γ1² + GA2 Γ2² + EA Γ3² + GJ Ω3²) + ½ β (exp(q) − 1), q = (EI1 Ω1² + EI2 Ω2²)/β, β = ½(EI1 + EI2) κ²,
+    κ = ``onset``: at that curvature the moment is e times the linear one. Raises ModelError for a value that
     is not positive.
     """
     given = {"EA": EA, "GA1": GA1, "GA2": GA2, "EI1": EI1, "EI2": EI2, "GJ": GJ, "onset": onset}
@@ -114,7 +114,7 @@ def stiffening_bending(*, EA: float, GA1: float, GA2: float, EI1: float, EI2: fl
 def tension_only(*, EA: float, GA1: float, GA2: float, EI1: float, EI2: float, GJ: float, width: float) -> Energy:
     """A cable: axial force EA Γ3 in tension, next to none in compression, with a smooth change; linear in all else.
 
-    The axial part is ½ EA p², p = ½(Γ3 + √(Γ3² + ``width``²)); at Γ3 = 0 a tension of EA·width/4 is left. Raises
+    The axial part is ½ EA p², p = ½(Γ3 + √(Γ3² + w²)), w = ``width``; at Γ3 = 0 a tension of EA·width/4 is left. Raises
     ModelError for a value that is not positive.
     """
     given = {"EA": EA, "GA1": GA1, "GA2": GA2, "EI1": EI1, "EI2": EI2, "GJ": GJ, "width": width}

@@ -1,0 +1,119 @@
+"""Without an extra everything else works, and what needs it names the line that installs it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "directrix"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+DEVELOPERS = {"all", "test", "dev", "docs"}
+EXTRAS = sorted(set(PROJECT["optional-dependencies"]) - DEVELOPERS)
+
+BLOCK = """
+import sys
+
+class Without:
+    # a finder that does not find what is blocked
+    def __init__(self, finder):
+        self.finder = finder
+
+    def __getattr__(self, name):
+        return getattr(self.finder, name)
+
+    def find_spec(self, name, path=None, target=None):
+        blocked = name.partition(".")[0].replace("_", "-").lower() in BLOCKED
+        return None if blocked else self.finder.find_spec(name, path, target)
+
+sys.meta_path[:] = [Without(finder) for finder in sys.meta_path]
+import directrix as dx
+from directrix.errors import DirectrixError
+"""
+ASK = {
+    "plot": """
+section = dx.Section.circle(radius=0.01, E=1e9, nu=0.3)
+rod = dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), section, ends=("a", "b"), elements=1)
+result = dx.solve_static(rod.clamp("a").force("b", (1, 0, 0)), steps=1)
+assert result.success
+result.plot.energy()
+""",
+}
+"""What a user does that needs an extra. Every extra whose absence has to be named at once belongs here."""
+IMPORTED_AS = {"pyyaml": "yaml", "pillow": "pil"}  # where a package is imported under another name
+
+
+def packages(extra: str) -> list[str]:
+    """Names of the modules that an extra brings, itself and through other extras of ours."""
+    found: list[str] = []
+    for line in PROJECT["optional-dependencies"][extra]:
+        name = line.split(">")[0].split("=")[0].split(";")[0].strip().lower()
+        found.append(IMPORTED_AS.get(name, name))
+    return [name for name in found if not name.startswith("directrix")]
+
+
+def without(extra: str, code: str) -> subprocess.CompletedProcess[str]:
+    """Run code in a Python that cannot import what the extra brings."""
+    program = f"BLOCKED = {packages(extra)!r}\n{BLOCK}\n{code}"
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=False)
+
+
+@pytest.mark.parametrize("extra", sorted(ASK))
+def test_what_needs_an_extra_names_it(extra: str) -> None:
+    done = without(extra, f"try:\n{_indented(ASK[extra])}\nexcept DirectrixError as error:\n    print(error)\n")
+    assert done.returncode == 0, done.stderr
+    assert f'pip install "directrix[{extra}]"' in done.stdout
+
+
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_the_install_line_of_every_extra_is_in_the_source(extra: str) -> None:
+    sources = [p.read_text("utf-8") for p in SOURCE.rglob("*.py")]
+    assert any(f"directrix[{extra}]" in text for text in sources), f"nothing says how to install {extra!r}"
+    assert any(f"[{extra}]" in line for line in PROJECT["optional-dependencies"]["all"])
+
+
+def test_doctor_names_every_missing_extra() -> None:
+    blocked = [name for extra in EXTRAS for name in packages(extra)]
+    code = f"""
+import importlib.metadata as metadata
+real = metadata.version
+def version(name):
+    if name.lower() in {blocked!r}:
+        raise metadata.PackageNotFoundError(name)
+    return real(name)
+metadata.version = version
+from directrix.doctor import facts
+for pair in facts():
+    print(*pair)
+"""
+    done = without(EXTRAS[0], code)
+    assert done.returncode == 0, done.stderr
+    for name in blocked:
+        lines = {f'not installed; pip install "directrix[{extra}]"' for extra in EXTRAS if name in packages(extra)}
+        said = [line for line in done.stdout.splitlines() if line.lower().startswith(f"{name} ")]
+        assert said and said[0].partition(" ")[2] in lines, (name, said)
+
+
+def test_the_command_line_works_without_extras(tmp_path: Path) -> None:
+    code = """
+import os
+from directrix.cli import main
+for line in (["examples", "swinging_rod", "--copy", "."], ["check", "swinging_rod.toml"], ["run", "swinging_rod.toml"]):
+    sys.argv = ["directrix", *line]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, (line, end.code)
+"""
+    done = without("plot", f"import os\nos.chdir({str(tmp_path)!r})\n{code}")
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert 'pip install "directrix[plot]"' in done.stdout
+    assert (tmp_path / "swinging_rod.run" / "result.vtkhdf").is_file()
+
+
+def _indented(code: str) -> str:
+    return "\n".join("    " + line for line in code.splitlines())
