@@ -44,13 +44,14 @@ def facts() -> Iterator[tuple[str, str]]:
 
 
 def extras() -> Iterator[tuple[str, str]]:
-    """Packages that some features need, each with the first extra that brings it."""
-    seen: set[str] = set()
+    """Packages that some features need, each with the extra that brings it and the least beside."""
+    brought: dict[str, list[str]] = {}
     for line in requires("directrix") or ():
         found = re.match(r"([\w.-]+)[^;]*;.*\bextra\s*==\s*['\"]([\w-]+)", line)
-        if found and found[2] not in DEVELOPERS and found[1] != "directrix" and found[1] not in seen:
-            seen.add(found[1])
-            yield found[1], found[2]
+        if found and found[2] not in DEVELOPERS and found[1] != "directrix":
+            brought.setdefault(found[2], []).append(found[1])
+    for name in dict.fromkeys(name for names in brought.values() for name in names):
+        yield name, min((extra for extra in brought if name in brought[extra]), key=lambda extra: len(brought[extra]))
 
 
 def self_test() -> tuple[bool, str]:
