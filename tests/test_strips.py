@@ -94,7 +94,7 @@ def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytes
 
 def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """In steps so short that a wave crosses part of an element, a node feels nothing of one some elements away."""
-    model, dt = flight(160), 3e-5
+    model, dt = flight(160), 2e-5
     fast, slow = both(model, monkeypatch, t_end=10 * dt, dt=dt, save_every=5)
     assert fast.success and fast.audit.passed
     assert np.abs(fast.r - slow.r).max() <= 1e-12 and np.abs(fast.v - slow.v).max() <= 2e-9 * np.abs(slow.v).max()
