@@ -52,7 +52,7 @@ def run(*args: object) -> tuple[int, str, str]:
 def pretend(monkeypatch: pytest.MonkeyPatch, end: Result | BaseException) -> None:
     """Let every case end like this at once."""
 
-    def fake(self: Case, progress: Callable[[float, str], None] | None = None) -> Result:
+    def fake(self: Case, progress: Callable[[float, str], None] | None = None, threads: int = 1) -> Result:
         if isinstance(end, BaseException):
             raise end
         assert progress is not None

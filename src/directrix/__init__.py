@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Newmark,
         SimoTarnowDoblare,
     )
+    from directrix.linear.petsc import Petsc
     from directrix.model import Model
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
@@ -54,6 +55,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Petsc",
     "Plane",
     "Result",
     "Section",
@@ -105,6 +107,7 @@ _HOME = {
         "Newmark",
         "SimoTarnowDoblare",
     ),
+    "linear.petsc": ("Petsc",),
     "model": ("Model",),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),

@@ -158,6 +158,9 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
+    threads: Annotated[
+        int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+    ] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
@@ -175,7 +178,7 @@ def run(
     def solve(case: Case, heading: str) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         with live(console) as progress:
-            return case.run(progress)
+            return case.run(progress, threads)
 
     result = solve(case, f"{case.title}  ({case_file})")
     # kept before anything is shown: what was computed is not lost to a fault further on
