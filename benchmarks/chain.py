@@ -6,12 +6,16 @@ else the machine does, so the yardstick beside it counts as much as the nanoseco
 the same size (``scipy.linalg.solve_banded``), what the linear algebra of one iteration alone costs elsewhere, measured
 in turns with it. The target is for a quiet machine.
 
+Below it are the phases of a step by themselves: ns per element each time they are run, best of many, and how often
+that is in a step; Python and meshing come on top. Then a rod of 10⁵ elements and its memory.
+
     make bench        or: python benchmarks/chain.py
 """
 
 from __future__ import annotations
 
 import os
+import resource
 import time
 from collections.abc import Callable
 
@@ -19,11 +23,18 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 import directrix as dx
+from directrix.discretisation import discretise
+from directrix.fast import fast_for
+from directrix.kernels import strips as kernel
+from directrix.kernels.strip_elimination import eliminate_strip, pass_again
+from directrix.newton import Newton, Settings
+from directrix.state import initial_state
 
 CASES = {  # (elements, order): target, ns per element and Newton iteration
     (20, 1): 350.0, (100, 1): 200.0, (1000, 1): 150.0, (10_000, 1): 220.0, (50, 2): 880.0, (500, 2): 660.0,
 }  # fmt: skip
 DT, ROUNDS = 0.05, 7
+PHASES = ((100, 1), (1000, 1), (10_000, 1), (500, 2))
 LINE = "{:>8}  {:>5}  {:>10}  {:>14}  {:>7}  {:>13}  {:>13}"
 
 
@@ -74,8 +85,62 @@ def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Res
     return min(t for t, _ in times), min(ratios), float(np.median(ratios)), results[-1]
 
 
+def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
+    """By phase: ns per element, and how often a step runs it."""
+    scheme = dx.EnergyMomentum().scheme(DT)
+    disc = discretise(rod(n, order), scheme)
+    newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
+    fast = fast_for(newton)
+    assert fast is not None
+    strips, results = fast.strips, np.zeros((40, 19))
+    strips.pack(x)
+    strips.set_load(disc.external(0.0))
+    strips.run(results)
+    iterations, tangents = (float(results[:, column].mean()) for column in (0, kernel.TANGENTS))
+    (main, rest), code, g, work = (part.strip for part in strips.parts), strips.code, strips.g, strips.work
+    work.scale[0] = 0.0  # increments are not added
+    calls: dict[str, tuple[Callable[[], object], float]] = {
+        "tangent and elimination": (lambda: eliminate_strip(code, main, g, False), tangents),
+        "ends and back substitution": (lambda: kernel.solve(code, main, rest, work, False, False), iterations),
+        "update": (lambda: kernel.move(code, main, work.scale), iterations),
+        "forces alone": (
+            lambda: kernel.imbalance(code, main, rest, g, work, strips.options),
+            iterations - tangents + 1,
+        ),
+        "right-hand side through old factors": (lambda: pass_again(code, main), iterations - tangents),
+        "books": (lambda: kernel.close(code, main, g, work), 1.0),
+    }
+    return {name: (1e9 * least(call) / n, times) for name, (call, times) in calls.items()}
+
+
+def least(call: Callable[[], object], rounds: int = 40) -> float:
+    """Least seconds by the clock: what is too short for the CPU time that the system counts."""
+    call()
+    times: list[float] = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def long_rod(n: int = 100_000, steps: int = 3) -> str:
+    """A line on a rod of so many elements."""
+    model = rod(n)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    start = time.process_time()
+    result = dx.simulate(model, t_end=steps * DT, dt=DT, save_every=steps)
+    spent = time.process_time() - start
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    each, memory = 1e9 * spent / n / float(result.iterations.sum()), 1024 * (most - before) / n
+    return (
+        f"{n} elements: {each:.0f} ns per element and iteration over {steps} steps, meshing and all; "
+        f"{memory / 1000:.1f} kB an element, {most / 1024**2:.2f} GiB for the whole process"
+    )
+
+
 def main() -> None:
-    """Print the table; exit 1 when a run does not conserve."""
+    """Print the tables; exit 1 when a run does not conserve."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     heads = (
@@ -92,6 +157,13 @@ def main() -> None:
         good = good and result.success and result.audit.passed
         cells = (n, order, f"{iterations / steps:.2f}", f"{1e9 * best / iterations / n:.0f}", f"{target:.0f}")
         print(LINE.format(*cells, f"{n * steps / best:.3g}", f"{ratio:.2f} ({typical:.2f})"))
+    for n, order in PHASES:
+        print(f"\n{n} elements of order {order}: ns per element each time, times a step")
+        parts = phases(n, order)
+        for name, (each, times) in parts.items():
+            print(f"  {name:<36}{each:>6.0f}  {times:.2f}")
+        print(f"  {'together':<36}{sum(each * times for each, times in parts.values()):>6.0f}  a step")
+    print(f"\n{long_rod()}")
     if not good:
         raise SystemExit("a run failed, or its audit")
 

@@ -1,5 +1,7 @@
 """What comes before the first step: import, help, a first run that compiles and one that does not. CPU seconds.
 
+Byte code is kept, as it is where Python is used as it comes; machine code is not there before the first run.
+
 python benchmarks/start.py
 """
 
@@ -23,7 +25,8 @@ assert dx.simulate(rod.pin("pin").gravity((0, 0, -9.81)), t_end=0.1, dt=0.01).su
 def seconds(*command: str, **variables: str) -> float:
     """CPU seconds of a command and all it starts."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, env={**os.environ, **variables}, stdout=subprocess.DEVNULL)
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    subprocess.run(command, check=True, env={**kept, **variables}, stdout=subprocess.DEVNULL)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -32,11 +35,12 @@ def main() -> None:
     """Print a line each."""
     python = sys.executable
     with tempfile.TemporaryDirectory() as folder:
-        caches = {"DIRECTRIX_CACHE_DIR": str(Path(folder) / "kernels"), "NUMBA_CACHE_DIR": str(Path(folder) / "loops")}
-        cold = seconds(python, "-c", RUN, **caches)
-        warm = min(seconds(python, "-c", RUN, **caches) for _ in range(3))
-    imported = min(seconds(python, "-c", "from directrix import simulate") for _ in range(3))
-    helped = min(seconds(python, "-m", "directrix", "--help") for _ in range(3))
+        kept = {"DIRECTRIX_CACHE_DIR": str(Path(folder) / "code"), "PYTHONPYCACHEPREFIX": str(Path(folder) / "python")}
+        seconds(python, "-c", "from directrix import simulate", **kept)
+        cold = seconds(python, "-c", RUN, **kept)
+        warm = min(seconds(python, "-c", RUN, **kept) for _ in range(3))
+        imported = min(seconds(python, "-c", "from directrix import simulate", **kept) for _ in range(3))
+        helped = min(seconds(python, "-m", "directrix", "--help", **kept) for _ in range(4))
     rows = (
         ("import directrix and its solvers", imported, 0.8),
         ("directrix --help", helped, 0.5),

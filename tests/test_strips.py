@@ -8,7 +8,10 @@ import pytest
 import directrix as dx
 from directrix import dynamics, strips
 from directrix.discretisation import discretise
+from directrix.kernels.compile import LANES
+from directrix.kernels.rows import ROW
 from directrix.newton import Newton, Settings
+from directrix.state import initial_state
 from directrix.strips import strips_for
 
 RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
@@ -87,6 +90,25 @@ def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytes
         assert float(a.relative_to) == pytest.approx(float(b.relative_to), rel=1e-5)
     # an elimination that is a little wrong would still converge, but slowly
     assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
+
+
+def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In steps so short that a wave crosses part of an element, a node feels nothing of one some elements away."""
+    model, dt = flight(160), 2e-5
+    fast, slow = both(model, monkeypatch, t_end=10 * dt, dt=dt, save_every=5)
+    assert fast.success and fast.audit.passed
+    assert np.abs(fast.r - slow.r).max() <= 1e-12 and np.abs(fast.v - slow.v).max() <= 2e-9 * np.abs(slow.v).max()
+    assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
+    scheme = dx.EnergyMomentum().scheme(dt)
+    disc = discretise(model, scheme)
+    newton = Newton(disc, scheme, Settings())
+    chain = strips_for(disc, scheme, False, newton.options)
+    assert chain is not None
+    chain.pack(initial_state(disc, None, scheme))
+    chain.run(np.zeros((1, 19)))
+    row = chain.parts[0].strip.row.reshape(-1, ROW, LANES)
+    first, last = (np.abs(row[k, 144:180]).max() for k in (4, 39))  # D⁻¹F
+    assert first > 0.0 and last == 0.0 and np.abs(row[39, :36]).max() > 0.0
 
 
 def test_energy_and_momenta_hold_over_a_long_flight() -> None:

@@ -238,16 +238,16 @@ def _part(
     first_free[0] = 0.0
 
     def lane(values: int, count: int = 1) -> Array:
-        return _aligned(np.zeros(count * values * LANES))
+        return _room(count * values * LANES)
 
     nn = stride + 1
     results = 6 * nn + 36 * nn * nn + 72 * nn * points
     out = lane(results, min(many, BATCH))
     strip = Strip(
         many, lanes, stride, points, results, p.shape[1],
-        x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1).ravel()), load=lane(6, len(nodes)),
-        first_load=lane(6, stride), free=_aligned(free.ravel()), first_free=first_free.ravel(),
-        still=_aligned(still.ravel()),
+        x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1)), load=lane(6, len(nodes)),
+        first_load=lane(6, stride), free=_aligned(free), first_free=first_free.ravel(),
+        still=_aligned(still),
         held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
         within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
         carry=lane(rows.CARRY), none=lane(36), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)),
@@ -257,12 +257,16 @@ def _part(
     return Part(strip, nodes, order[members])
 
 
-def _aligned(values: Array) -> Array:
-    """A copy that begins where a line of the cache does: a vector that lies across two costs two loads."""
-    room = np.empty(values.size + 8)
+def _room(count: int) -> Array:
+    """Zeros that begin where a line of the cache does: a vector that lies across two costs two loads."""
+    room = np.zeros(count + 8)
     first = -(room.ctypes.data // 8) % 8
-    out = room[first : first + values.size]
-    out[:] = values
+    return room[first : first + count]
+
+
+def _aligned(values: Array) -> Array:
+    out = _room(values.size)
+    out[:] = values.ravel()
     return out
 
 

@@ -59,6 +59,7 @@ class Expressions:
         self.variables, self.result = variables, result
         self.lines: list[str] = []
         self.rooms: list[str] = []
+        self.held: dict[str, list[str]] = {}  # where variables are
         self.names = 0
         self.loops: list[tuple[str, str]] = []  # where continue and break go
         self.node = _functions(function.__code__.co_filename)[function.__name__]

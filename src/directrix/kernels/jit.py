@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import struct
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, update_wrapper
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +20,11 @@ from directrix.kernels.translate import Translation, kind_of
 
 __all__ = ["compiled", "inner"]
 
-ITEM = {np.dtype(t): t for t in ("f8", "i8", "u1")}
+# kinds of arrays by type, dimensions and whether strides are left out; one object each, known by its place in memory
+ARRAYS = {
+    (np.dtype(item), ndim, packed): Array(item, ndim, packed)
+    for item in ("f8", "i8", "u1") for ndim in range(1, 7) for packed in (True, False)
+}  # fmt: skip
 ENTRY = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
@@ -29,19 +35,19 @@ class _Loop:
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.function = function
-        self.ready: dict[tuple[Any, ...], Any] = {}
+        self.ready: dict[tuple[int, ...], Any] = {}
 
     def __call__(self, *arguments: Any) -> Any:
         given = self.function.__defaults__ or ()
         missing = self.function.__code__.co_argcount - len(arguments)
         if missing:
             arguments = (*arguments, *given[len(given) - missing :])
-        kinds: list[Any] = []
         words: list[int] = []
-        for value in arguments:
-            kinds.append(_word(value, words))
-        key = tuple(kinds)
-        call = self.ready.get(key) or self.make(key)
+        kinds = [_word(value, words) for value in arguments]
+        key = tuple(map(id, kinds))  # kinds that are equal are one object
+        call = self.ready.get(key)
+        if call is None:
+            call = self.ready[key] = self.make(tuple(kinds))
         out = (ctypes.c_int64 * 8)()
         call((ctypes.c_int64 * len(words))(*words), out)
         result = kind_of(out[0])
@@ -52,11 +58,15 @@ class _Loop:
     def make(self, kinds: tuple[Any, ...]) -> Any:
         """Compile, or fetch from the cache."""
         name = f"{self.function.__module__}.{self.function.__qualname__}"
-        address = text_address(
-            f"loop {name} {kinds}", lambda symbol: Translation().entry(self.function, kinds, symbol), loops=True
-        )
-        self.ready[kinds] = ENTRY(address)
-        return self.ready[kinds]
+        about = f"loop {name} {_source(self.function.__code__.co_filename)} {kinds}"
+        address = text_address(about, lambda symbol: Translation().entry(self.function, kinds, symbol), loops=True)
+        return ENTRY(address)
+
+
+@cache
+def _source(file: str) -> str:
+    """What changes with a file: the code of the loops of this folder changes with all files in it as well."""
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
 def _word(value: Any, words: list[int]) -> Any:
@@ -68,7 +78,10 @@ def _word(value: Any, words: list[int]) -> Any:
         strides = about["strides"]
         if strides is not None:
             words += strides
-        return Array(ITEM[value.dtype], value.ndim, strides is None)
+        kind = ARRAYS.get((value.dtype, value.ndim, strides is None))
+        if kind is None:
+            raise TypeError(f"compiled loops take no array of {value.dtype} with {value.ndim} dimensions")
+        return kind
     if isinstance(value, Record):
         words.append(value.address)
         return value.kind

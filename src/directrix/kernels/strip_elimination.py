@@ -16,6 +16,7 @@ __all__ = ["BATCH", "eliminate_strip", "pass_again"]
 BATCH = 4
 """Elements whose tangents are computed before they are eliminated: the code of neither is small, and both together do
 not stay in the instruction cache."""
+FADED = 1e-20  # a coupling so much less than the node's own stiffness is none; only convergence depends on it
 BLOCK = 36 * LANES
 # blocks of a row: −D⁻¹, L, G, P, Q
 LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK
@@ -76,8 +77,9 @@ def _start(s, small, at):
 
 
 @inner
-def _eliminate(code, s, e, small, small_at, frozen):
-    """Eliminate the first node of element ``e``, an element of two nodes in ``small[small_at:]``."""
+def _eliminate(code, s, e, small, small_at, frozen, far):
+    """Eliminate the first node of element ``e``, an element of two nodes in ``small[small_at:]``; ``far`` when it feels
+    nothing of the first node of the strip."""
     row, carry, none, at, node = s.row, s.carry, s.none, e * R, e * s.stride * SIX
     if frozen:
         call_lanes(code[HOLD], small, small_at, carry, 0, s.load, node, row, at, s.still, node)
@@ -87,21 +89,44 @@ def _eliminate(code, s, e, small, small_at, frozen):
         call_lanes(code[PIVOT], small, small_at, carry, 0, s.load, node, row, at)
     blocks = small_at + 2 * SIX
     call_lanes(code[LESS], row, at, small, blocks + 2 * BLOCK, none, 0, row, at + UP)
-    call_lanes(code[LESS], row, at, carry, COLUMN, none, 0, row, at + BACK)
     call_lanes(code[LESS], row, at + LOW, row, at + UP, small, blocks + 3 * BLOCK, carry, 0)
-    call_lanes(code[LESS], row, at + LOW, row, at + BACK, none, 0, carry, COLUMN)
-    call_lanes(code[LESS], row, at + FIRST, row, at + BACK, carry, OWN, carry, OWN)
-    if e < s.elements - 1:
-        call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, row, at + R + FIRST)
+    if far:
+        for k in range(BLOCK):
+            row[at + FIRST + k] = 0.0
+            row[at + BACK + k] = 0.0
     else:
-        call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, carry, ROW_G)
+        call_lanes(code[LESS], row, at, carry, COLUMN, none, 0, row, at + BACK)
+        call_lanes(code[LESS], row, at + LOW, row, at + BACK, none, 0, carry, COLUMN)
+        call_lanes(code[LESS], row, at + FIRST, row, at + BACK, carry, OWN, carry, OWN)
+        if e < s.elements - 1:
+            call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, row, at + R + FIRST)
+        else:
+            call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, carry, ROW_G)
     call_lanes(code[PASS_ON], row, at, small, small_at, carry, 0)
+
+
+@inner
+def _feels_nothing(s, e):
+    """Whether the couplings F and G of the node behind element ``e`` with the first one have faded out; they are then
+    zero from there on. Left alone they would underflow, and arithmetic with such numbers is slow."""
+    carry, g = s.carry, (e + 1) * R + FIRST
+    own = coupled = 0.0
+    for k in range(BLOCK):
+        own = max(own, abs(carry[k]))
+        coupled = max(coupled, max(abs(carry[COLUMN + k]), abs(s.row[g + k])))
+    if not coupled < FADED * own:
+        return False
+    for k in range(BLOCK):
+        carry[COLUMN + k] = 0.0
+        carry[ROW_G + k] = 0.0
+    return True
 
 
 @inner
 def eliminate_strip(code, s, g, frozen):
     """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
     size = s.results * LANES
+    far = False
     for first in range(0, s.elements, BATCH):
         last = min(first + BATCH, s.elements)
         for e in range(first, last):
@@ -114,7 +139,9 @@ def eliminate_strip(code, s, g, frozen):
             if e == 0:
                 _start(s, small, at)
             else:
-                _eliminate(code, s, e, small, at, frozen)
+                _eliminate(code, s, e, small, at, frozen, far)
+        if not far and last < s.elements:
+            far = _feels_nothing(s, last - 1)
 
 
 @inner

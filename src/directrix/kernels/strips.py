@@ -28,7 +28,7 @@ from directrix.kernels.strip_elimination import (
     pass_again,
 )
 
-__all__ = ["pack", "run", "unpack"]
+__all__ = ["TANGENTS", "close", "imbalance", "move", "pack", "run", "solve", "unpack"]
 
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
@@ -61,7 +61,7 @@ def _join(s, first, w, only_right):
 
 
 @inner
-def _solve(code, main, rest, w, frozen, only_right):
+def solve(code, main, rest, w, frozen, only_right):
     """Solve for the nodes where parts meet, then backwards through all rows; largest displacement and turn, and a sum
     that shows what is not finite."""
     if not only_right:
@@ -112,7 +112,7 @@ def _back(code, s, first, w):
 
 
 @inner
-def _move(code, s, scale):
+def move(code, s, scale):
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
 
@@ -141,7 +141,7 @@ def _balance(code, s, first, g, w):
 
 
 @inner
-def _imbalance(code, main, rest, g, w, options):
+def imbalance(code, main, rest, g, w, options):
     """Residual of all nodes; the largest unbalanced force or moment over what is allowed, 1e300 if not finite."""
     _zero(w.most)
     for a in range(w.res.shape[0]):
@@ -194,12 +194,12 @@ def _iterate(code, main, rest, g, w, options):
                 pass_again(code, s)
             else:
                 eliminate_strip(code, s, g, frozen)
-        moved, turned, finite = _solve(code, main, rest, w, frozen, again)
+        moved, turned, finite = solve(code, main, rest, w, frozen, again)
         if not finite:
             return 0, tangents
         w.scale[0] = 1.0 if turned <= limit else limit / turned
         for part in range(2):
-            _move(code, main if part == 0 else rest, w.scale)
+            move(code, main if part == 0 else rest, w.scale)
         if frozen or turned > LARGE_TURN:
             frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
             continue
@@ -213,7 +213,7 @@ def _iterate(code, main, rest, g, w, options):
         again = small or (rate < 0.1 and size * rate ** (REUSES + 1) <= SETTLED)
         before = size
         if again:
-            worst = _imbalance(code, main, rest, g, w, options)
+            worst = imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
                 return iteration, tangents
             if not worst < 1e300:
@@ -236,7 +236,7 @@ def _keep(s, back):
 
 
 @inner
-def _close(code, s, g, w):
+def close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(
@@ -274,7 +274,7 @@ def run(code, main, rest, g, w, options, results):
         for part in range(2):
             s = main if part == 0 else rest
             _ends(s, part * main.lanes, w, True)
-            _close(code, s, g, w)
+            close(code, s, g, w)
             for lane in range(s.lanes):
                 for c in range(8):
                     row[BOOKS + c] += w.books[c * LANES + lane]
