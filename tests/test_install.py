@@ -45,7 +45,7 @@ from pathlib import Path
 from directrix.schema import load_case
 from directrix.schema.convert import convert
 section = {"kind": "circle", "radius": RADIUS, "E": 1e9, "nu": 0.3}
-rod = {"name": "r", "section": "s", "line": [[0, 0, 0], [1, 0, 0]], "ends": ["a", "b"]}
+rod = {"name": "r", "section": "s", "line": [[0, 0, 0], [1, 0, 0]], "ends": ["a", "b"], "elements": 2}
 case = {"section": {"s": section}, "rod": [rod], "support": [{"node": "a", "type": "clamp"}], "statics": {}}
 Path("case.json").write_text(json.dumps(case))
 """
