@@ -30,11 +30,13 @@ if TYPE_CHECKING:
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
+    from directrix.stepping import Adaptive
     from directrix.storage import load
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Adaptive",
     "ArcLength",
     "BucklingLoads",
     "ConvergenceError",
@@ -110,6 +112,7 @@ _HOME = {
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
+    "stepping": ("Adaptive",),
     "storage": ("load",),
 }
 

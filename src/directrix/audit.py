@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-__all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report"]
+__all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report", "stepped"]
 
 LIMIT = 1e-9  # relative; rounding leaves 1e-15 a step
 WARN_TURN = np.pi / 6
@@ -103,8 +103,8 @@ class DynamicBooks:
     deviation seen.
     """
 
-    def __init__(self, disc: Discretisation, integrator: Integrator, first: Books, dt: float) -> None:
-        self.integrator, self.dt = integrator, dt
+    def __init__(self, disc: Discretisation, integrator: Integrator, first: Books) -> None:
+        self.integrator = integrator
         self.mass = sum(
             rod.section.A_rho * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         ) + sum(body.mass for body in disc.model.bodies)
@@ -120,18 +120,18 @@ class DynamicBooks:
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
-        self.waiting: list[tuple[Array, Array, Array]] = []
+        self.waiting: list[tuple[Array, Array, Array, Array]] = []
         self.off = np.zeros(3)
         self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
-    def add(self, books: Books) -> None:
-        """Book one step."""
+    def add(self, books: Books, dt: float) -> None:
+        """Book one step of length ``dt``."""
         # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
         force = max(float(np.linalg.norm(part)) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
         moment = max(float(np.linalg.norm(part)) for part in (books.flow[5:8], books.ground[3:]))
-        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]))
+        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]), dt)
         if self.taken.size:
             self.taken += books.taken
             self.done += books.done
@@ -139,9 +139,9 @@ class DynamicBooks:
             self.turnover[0] += np.abs(books.done).sum()
         self.turn.add(books.totals)
 
-    def add_steps(self, totals: Array, flow: Array, acting: Array) -> None:
-        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in ``Books``,
-        ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
+    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> None:
+        """Book several steps of length ``dt``: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as
+        in ``Books``, ``acting`` (m, 2) the size of the forces and moments that act from outside, cancelling or not.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """
@@ -149,19 +149,19 @@ class DynamicBooks:
             self.work += row[0] + row[1] + row[3]
             self.prescribed += row[1]
             self.dissipated += row[2]
-        self.waiting.append((totals, flow, acting))
+        self.waiting.append((totals, flow, acting, np.full((len(flow), 1), dt)))
         if len(self.waiting) >= 512:
             self._settle()
 
     def _settle(self) -> None:
         if not self.waiting:
             return
-        totals, flow, acting = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        totals, flow, acting, dt = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
         self.waiting = []
         work = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1] + flow[:, 9])
         dissipated = self.settled[1] + np.cumsum(flow[:, 8])
-        impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
-        self.turnover += (np.abs(flow[:, :2]).sum(), *(self.dt * acting.sum(axis=0)))
+        impulse = self.impulse + np.cumsum(dt * flow[:, 2:8], axis=0)
+        self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0))
         energy = totals[:, 0] + totals[:, 1]
         self.energy = max(self.energy, float(energy.max()))
         self.kinetic = max(self.kinetic, float(totals[:, 1].max()))
@@ -261,6 +261,15 @@ def _workers(result: Result) -> dict[str, Array]:
     return working if len(working) > 1 else {}
 
 
+def stepped(result: Result) -> list[str]:
+    """How long steps were and how often they were cut, where that says something."""
+    cuts, rejected, dt = result.info.get("cuts", 0), result.info.get("rejected", 0), result.dt
+    lengths = [f"steps of {dt.min():.3g} … {dt.max():.3g}"] if dt.size and dt.min() < dt.max() else []
+    thrown = [f"{cuts} times cut because Newton failed"] if cuts else []
+    thrown += [f"{rejected} taken again because the error was too large"] if rejected else []
+    return ["  " + ", ".join(lengths + thrown)] if lengths or thrown else []
+
+
 def report(result: Result) -> str:
     """The whole result in a few lines, for ``print(result)``."""
     info, audit = result.info, result.audit
@@ -273,6 +282,7 @@ def report(result: Result) -> str:
         f"{result.name}: {'done' if result.success else 'NOT DONE'}: {result.status}",
         f"  {result.kind}, {scheme}, {size}",
         f"  {clock} = {result.t[0]:g} … {result.t[-1]:g}, {iterations.size} steps, {mean}",
+        *stepped(result),
         f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
         f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}"
         + (f", dissipated {result.energy.dissipated[-1]:.9g}" if result.energy.dissipated[-1] else ""),

@@ -158,6 +158,9 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
+    adaptive: Annotated[
+        float | None, typer.Option(metavar="TOL", help="Time steps as long as this local error allows.")
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
@@ -168,6 +171,7 @@ def run(
     from directrix.schema import load_case
 
     case = load_case(case_file)
+    case = case if adaptive is None else case.adapted(adaptive)
     rival = case.stepped_by(beside.value) if beside else None
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
     console = Console(quiet=quiet, highlight=False)

@@ -17,6 +17,7 @@ from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
 from directrix.newton import Books
 from directrix.result import Energy, Momentum, Result, Status
+from directrix.steplog import Log
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,8 @@ class Recorder:
         self.disc = disc
         self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[tuple[Array, ...]] = []
-        self.iterations: list[int] = []
+        self.log = Log()
+        self.iterations = self.log.iterations
         self.started = time.perf_counter()
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
@@ -57,6 +59,7 @@ class Recorder:
         scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
+        dt, cuts = self.log.arrays()
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
@@ -82,6 +85,8 @@ class Recorder:
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
+            dt=dt,
+            cuts=cuts,
             status=status,
             audit=audit,
             info={**about, **info},

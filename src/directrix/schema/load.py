@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from directrix import checks, controls
 from directrix.errors import InputError, ModelError
+from directrix.schema import models
 from directrix.schema.build import build_control, build_model, placed
 from directrix.schema.messages import Source, explain
 from directrix.schema.models import (
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
     from directrix.result import Result
+    from directrix.stepping import Adaptive
 
 __all__ = ["Case", "json_schema", "load_case"]
 
@@ -64,12 +66,32 @@ class Case:
     source: Path
     sha256: str
 
+    @property
+    def step(self) -> float | Adaptive:
+        """``dt`` of a dynamic case as ``simulate`` takes it. Raises ModelError."""
+        from directrix.stepping import Adaptive
+
+        do = self.analysis
+        assert isinstance(do, Dynamics)
+        return do.dt if do.adaptive is None else Adaptive(first=do.dt, **do.adaptive.model_dump(exclude_unset=True))
+
+    def adapted(self, tolerance: float) -> Case:
+        """The same case with steps as long as this error allows. Raises ModelError."""
+        if isinstance(self.analysis, Statics):
+            raise InputError("a static case has no time step", "leave --adaptive out", str(self.source))
+        given = self.analysis.adaptive or models.Adaptive()
+        table = given.model_copy(update={"tolerance": tolerance})
+        case = replace(self, analysis=self.analysis.model_copy(update={"adaptive": table}))
+        case.check()
+        return case
+
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         from directrix.diagnosis import examine, refuse
         from directrix.discretisation import discretise
         from directrix.dynamics import refuse_damping
         from directrix.statics import static_scheme
+        from directrix.stepping import stepping
 
         self.model.check()
         do = self.analysis
@@ -79,6 +101,7 @@ class Case:
             refuse(examine(disc, scheme))
             return disc
         refuse_damping(self.model, self._integrator(do))
+        stepping(self.step, 0.0, do.t_end, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
 
     def findings(self) -> tuple[Finding, ...]:
@@ -110,7 +133,7 @@ class Case:
         return simulate(
             self.model,
             do.t_end,
-            do.dt,
+            self.step,
             integrator=self._integrator(do),
             load_rule=do.load_rule,
             tolerance=do.tolerance,

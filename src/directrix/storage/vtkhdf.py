@@ -229,7 +229,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in (*HISTORIES, "history", "joints"):
+    for name in (*HISTORIES, "history", "joints", "dt", "cuts"):
         _put(root, name, getattr(result, name))
     for key, named in (
         ("links", result.links),
@@ -289,6 +289,7 @@ def _read_result(root: Any) -> Result:
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
         contacts=_read_named(root, "contacts"),
+        **({name: root[name][()] for name in ("dt", "cuts") if name in root}),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         energy=Energy(
