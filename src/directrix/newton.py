@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+UPSIDE_DOWN = 1.0 + 2.0 * np.cos(np.radians(170.0))
+"""Σ d0·d1 of a node that turns too far in a step."""
+
 __all__ = ["Books", "Newton", "Outcome", "Settings"]
 
 
@@ -154,7 +157,7 @@ class Newton:
         """
         near = self.disc.near
         if near is None or self.pairs is None:
-            return self._balance(x, external, moved)
+            return self._upright(x, self._balance(x, external, moved))
         start, iterations = x.copy(), 0
         while True:
             outcome = self._balance(x, external, moved)
@@ -164,9 +167,25 @@ class Newton:
             r = x[: self.disc.nodes, :3]
             if not near.outside(self.pairs, r, touching=True):
                 at = near.crossed(r - x[: self.disc.nodes, 12:15], r)
-                return Outcome(iterations, None if at < 0 else self._crossed(at))
+                return self._upright(x, Outcome(iterations, None if at < 0 else self._crossed(at)))
             self._bring(union(self.pairs, near.around(r)))
             x[:] = start
+
+    def _upright(self, x: Array, outcome: Outcome) -> Outcome:
+        """Refuse a step in which a node turns upside down: where d0 and d1 have no mean, a step balances whatever the
+        energy does."""
+        if outcome.status is not None or not self.scheme.rates.half:
+            return outcome
+        n = self.disc.nodes
+        dots = np.einsum("ni,ni->n", x[:n, 3:12], x[:n, 15:24])
+        node = int(np.argmin(dots))
+        if dots[node] >= UPSIDE_DOWN:
+            return outcome
+        sentence = (
+            f"{self.disc.mesh.place(node)} would turn by {np.degrees(turn_of(dots[node])):.0f}° in one step, and half a "
+            "turn has no middle."
+        )
+        return Outcome(outcome.iterations, Status("not_converged", sentence, "Take smaller steps."))
 
     def _crossed(self, node: int) -> Status:
         return Status(
