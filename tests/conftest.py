@@ -1,9 +1,37 @@
-"""Profiles of hypothesis: no deadlines (the first example compiles), the same examples on every run of CI."""
+"""Profiles of hypothesis: no deadlines (the first example compiles), the same examples on every run of CI.
+
+And the ledger of every motion that any test computes: it has to close, unless the test is marked ``open_ledger`` and
+says why it does not.
+"""
 
 import os
+from collections.abc import Iterator
+from typing import Any
 
+import pytest
 from hypothesis import settings
+
+from directrix.audit import Audit, DynamicBooks
 
 settings.register_profile("local", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
+
+
+@pytest.fixture(autouse=True)
+def _ledgers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    failed: list[str] = []
+    audit = DynamicBooks.audit
+
+    def watched(self: DynamicBooks) -> Audit:
+        result = audit(self)
+        failed.extend(f"{self.integrator}: {e.law} off by {e.value:.1e}" for e in result.entries if not e.holds)
+        return result
+
+    monkeypatch.setattr(DynamicBooks, "audit", watched)
+    yield
+    marker: Any = request.node.get_closest_marker("open_ledger")
+    if marker is None:
+        assert not failed, f"a motion of this test does not keep what it claims: {failed}"
+    else:
+        assert marker.args and failed, "open_ledger needs a reason, and a ledger that is open"

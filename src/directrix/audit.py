@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 __all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report", "stepped"]
 
+LEDGER = 1e-8  # of its largest term: kinetic or stored energy, work or dissipation so far
 LIMIT = 1e-9  # relative; rounding leaves 1e-15 a step
 WARN_TURN = np.pi / 6
 
@@ -122,7 +123,8 @@ class DynamicBooks:
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
         self.waiting: list[tuple[Array, Array, Array, Array]] = []
         self.off = np.zeros(3)
-        self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
+        self.kinetic = float(first.totals[1])
+        self.term = float(first.totals[:2].max())  # largest of stored, kinetic, work and dissipated so far
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
@@ -163,7 +165,8 @@ class DynamicBooks:
         impulse = self.impulse + np.cumsum(dt * flow[:, 2:8], axis=0)
         self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0))
         energy = totals[:, 0] + totals[:, 1]
-        self.energy = max(self.energy, float(energy.max()))
+        terms = (totals[:, 0], totals[:, 1], np.abs(work), np.abs(dissipated))
+        self.term = max(self.term, *(float(term.max()) for term in terms))
         self.kinetic = max(self.kinetic, float(totals[:, 1].max()))
         change = totals[:, 2:8] - self.start[2:8] - impulse
         off = np.stack(
@@ -186,7 +189,7 @@ class DynamicBooks:
         self._settle()
         momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
         scale = (
-            max(self.energy, self.turnover[0], self.least),
+            max(self.term, self.least),
             momentum,
             max(momentum * self.reach, self.turnover[2]),
         )
@@ -195,7 +198,7 @@ class DynamicBooks:
         back = Entry("dissipation", float(self.given / scale[0]) if scale[0] > 0.0 else 0.0, LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
-                Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
+                Entry("energy", value[0], LEDGER, f"{scale[0]:.6g}", claims.conserves_energy),
                 Entry("linear momentum", value[1], LIMIT, f"{scale[1]:.6g}", claims.conserves_momenta),
                 Entry("angular momentum", value[2], LIMIT, f"{scale[2]:.6g}", claims.conserves_momenta),
                 *((back,) if self.dissipated else ()),

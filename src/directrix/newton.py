@@ -182,8 +182,8 @@ class Newton:
         if dots[node] >= UPSIDE_DOWN:
             return outcome
         sentence = (
-            f"{self.disc.mesh.place(node)} would turn by {np.degrees(turn_of(dots[node])):.0f}° in one step, and half a "
-            "turn has no middle."
+            f"{self.disc.mesh.place(node)} would turn by {np.degrees(turn_of(dots[node])):.0f}° in one step, and half "
+            "a turn has no middle."
         )
         return Outcome(outcome.iterations, Status("not_converged", sentence, "Take smaller steps."))
 
