@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         SimoTarnowDoblare,
     )
     from directrix.model import Model
+    from directrix.refinement import Refined, refine
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
@@ -57,6 +58,7 @@ __all__ = [
     "Modes",
     "Newmark",
     "Plane",
+    "Refined",
     "Result",
     "Section",
     "SimoTarnowDoblare",
@@ -79,6 +81,7 @@ __all__ = [
     "modes",
     "polyline",
     "ramp",
+    "refine",
     "simulate",
     "solve_static",
     "spline",
@@ -108,6 +111,7 @@ _HOME = {
         "SimoTarnowDoblare",
     ),
     "model": ("Model",),
+    "refinement": ("Refined", "refine"),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),

@@ -201,6 +201,21 @@ def run(
 
 @app.command()
 @_guarded
+def refine(
+    case_file: CaseFile,
+    quantity: Annotated[
+        str, typer.Option("--quantity", help="E.g. node:B:displacement:y, rod:mid:force:axial:max, energy:stored.")
+    ],
+    levels: Annotated[int, typer.Option(help="Meshes and steps to compare; two cannot tell the order.")] = 3,
+) -> None:
+    """Run a case on finer meshes and in shorter steps; print how far a quantity is from its limit."""
+    from directrix.schema import load_case
+
+    print(load_case(case_file).refine(quantity, levels))
+
+
+@app.command()
+@_guarded
 def check(case_file: CaseFile) -> None:
     """Check a case without solving it; print what would be solved, with every default and convention."""
     from directrix.schema import load_case

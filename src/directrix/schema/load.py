@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
     from directrix.model import Model
+    from directrix.refinement import Refined
     from directrix.result import Result
     from directrix.stepping import Adaptive
 
@@ -140,6 +141,20 @@ class Case:
             save_every=save_every,
             progress=progress,
         )
+
+    def refine(self, what: str, levels: int = 3) -> Refined:
+        """What a finer mesh and shorter steps would change of a quantity; see ``dx.refine``. Raises ModelError."""
+        from directrix.refinement import refine
+
+        do = self.analysis
+        if isinstance(do, Statics):
+            steps = {} if do.control is not None else {"steps": do.steps}
+            more = {"control": self.control, "formulation": self._formulation(do), "tolerance": do.tolerance, **steps}
+            return refine(self.model, what, levels=levels, **more)
+        if do.adaptive is not None:
+            raise InputError("steps that adapt cannot be halved", "leave adaptive out", str(self.source))
+        more = {"integrator": self._integrator(do), "load_rule": do.load_rule, "tolerance": do.tolerance}
+        return refine(self.model, what, levels=levels, t_end=do.t_end, dt=do.dt, **more)
 
     @staticmethod
     def _formulation(do: Statics) -> Formulation:
