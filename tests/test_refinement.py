@@ -43,7 +43,9 @@ def test_the_error_of_a_mesh_is_that_against_a_fine_one() -> None:
 
 def test_the_error_of_a_step_has_order_two() -> None:
     model = _carried_rod()
-    found = dx.refine(model, lambda result: float(result.r[-1, -1, 1]), t_end=0.2, dt=0.00125, levels=3, tolerance=1e-12)
+    found = dx.refine(
+        model, lambda result: float(result.r[-1, -1, 1]), t_end=0.2, dt=0.00125, levels=3, tolerance=1e-12
+    )
     assert found.step is not None and found.both is not None
     assert found.step.asymptotic and found.step.order == pytest.approx(2.0, abs=0.1)
     exact = dx.simulate(model, 0.2, 0.0001, save_every=5000, tolerance=1e-12).r[-1, -1, 1]

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Newmark,
         SimoTarnowDoblare,
     )
+    from directrix.linear.petsc import Petsc
     from directrix.model import Model
     from directrix.refinement import Refined, refine
     from directrix.result import Result, Status, TurningPoint
@@ -57,6 +58,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Petsc",
     "Plane",
     "Refined",
     "Result",
@@ -110,6 +112,7 @@ _HOME = {
         "Newmark",
         "SimoTarnowDoblare",
     ),
+    "linear.petsc": ("Petsc",),
     "model": ("Model",),
     "refinement": ("Refined", "refine"),
     "result": ("Result", "Status", "TurningPoint"),

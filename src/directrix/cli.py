@@ -161,6 +161,9 @@ def run(
     adaptive: Annotated[
         float | None, typer.Option(metavar="TOL", help="Time steps as long as this local error allows.")
     ] = None,
+    threads: Annotated[
+        int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+    ] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
@@ -179,7 +182,7 @@ def run(
     def solve(case: Case, heading: str) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         with live(console) as progress:
-            return case.run(progress)
+            return case.run(progress, threads)
 
     result = solve(case, f"{case.title}  ({case_file})")
     # kept before anything is shown: what was computed is not lost to a fault further on

@@ -15,6 +15,7 @@ from directrix.fast import fast_for
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
+from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
@@ -38,6 +39,8 @@ def simulate(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    threads: int = 1,
+    linear: Petsc | str | None = None,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -66,6 +69,10 @@ def simulate(
         Keep every so many steps, whole ones of a fixed ``dt``; the last state is always kept.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
+    linear
+        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -91,7 +98,7 @@ def simulate(
     disc = discretise(model, scheme)
     settings = Settings(tolerance, PATIENCE, retry=False) if pace.adaptive else Settings(tolerance)
     x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, settings)
+    newton = Newton(disc, scheme, replace(settings, threads=threads, linear=Petsc.of(linear)))
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
     place_supports(disc, x, t0)

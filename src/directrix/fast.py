@@ -28,7 +28,7 @@ class Fast:
         self.newton, self.strips, self.dt = newton, strips, dt
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
-        self.results = np.zeros((0, 18))
+        self.results = np.zeros((0, 19))
         self.energy = self.loss = 0.0
 
     def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks) -> list[int]:
@@ -40,7 +40,7 @@ class Fast:
             self.strips.set_load(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), 18))
+        self.results = np.zeros((min(count, self.strips.many), 19))
         self.strips.run(self.results)
         return self.settle(ledger)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import number
+from directrix.checks import number, whole
 from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
 from directrix.drives import Driver
@@ -17,7 +17,8 @@ from directrix.formulations.contact import SOFTENING, ObstacleElement, PairEleme
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import damping_for, tables_for, work_for
-from directrix.linear.condensed import Condensed
+from directrix.linear.condensed import Condensed, usual
+from directrix.linear.petsc import Petsc
 from directrix.result import Status
 from directrix.scheme import Rates, Scheme
 from directrix.state import place_all, place_supports
@@ -40,7 +41,8 @@ class Settings:
     ``tolerance``: unbalanced force (moment) over the largest element force (moment), never below round-off;
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
     iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``retry``: a step
-    that is not solved is tried again with other damping.
+    that is not solved is tried again with other damping. ``threads`` that share the solution of a frame, unless
+    ``linear`` solves it.
     """
 
     tolerance: float = 1e-9
@@ -48,8 +50,11 @@ class Settings:
     largest_turn: float = 0.3
     rotation: str = "exponential"
     retry: bool = True
+    threads: int = 1
+    linear: Petsc | None = None
 
     def __post_init__(self) -> None:
+        whole(self.threads, "threads", 1, 1024)
         if not 0.0 < number(self.tolerance, "tolerance") < 1.0:
             raise ModelError(
                 f"tolerance = {self.tolerance} is not a relative tolerance",
@@ -110,7 +115,7 @@ class Newton:
         """Loads (n, 12) at a load factor; the parameters of the elements follow where they depend on it."""
         if self.family is None:
             return self.disc.external(factor, factor)
-        self.tables = self.tables._replace(par=self.family.parameters(factor))
+        self.tables = self.tables.replaced(par=self.family.parameters(factor))
         return self.family.at(factor).external(factor)
 
     def place(self, x: Array, factor: float) -> bool:
@@ -132,8 +137,18 @@ class Newton:
     def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
         if self._sparse is None:
-            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+            pattern, linear = self.disc.pattern, self.settings.linear
+            make = usual(self.settings.threads) if linear is None else linear.maker(self._points())
+            self._sparse = Condensed(pattern.rowptr, pattern.column, make)
         return self._sparse
+
+    def _points(self) -> Array:
+        """Where the block rows are in the reference (rows, 3); NaN for rows that are no nodes."""
+        nodes = self.disc.pattern.node_of_row
+        out = np.full((len(nodes), 3), np.nan)
+        real = nodes < len(self.disc.mesh.r0)
+        out[real] = self.disc.mesh.r0[nodes[real]]
+        return out
 
     def _look_around(self, x: Array) -> None:
         """Take in what rods are about to touch at the state ``x``."""
@@ -220,7 +235,7 @@ class Newton:
                 self.options[4], self.options[7] = self.settings.largest_turn, 1.0
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
             x[:] = start
-            outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
+            outcome = self._iterate(self.tables.replaced(chain=0), x, external, moved)
         return outcome
 
     def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:

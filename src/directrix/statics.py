@@ -23,6 +23,7 @@ from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
 from directrix.joint_checks import refuse_joints
+from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
@@ -48,6 +49,8 @@ def solve_static(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    threads: int = 1,
+    linear: Petsc | str | None = None,
     rotation: str = "exponential",
     stability: bool | None = None,
     progress: Progress | None = None,
@@ -78,12 +81,16 @@ def solve_static(
         Keep every so many parts; the last one is always kept.
     tolerance
         Unbalanced over largest element force at which a state is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
     rotation
         Update of the rotations in an iteration, "exponential" or "cayley"; both reach the same state.
     stability
         Whether to count the negative pivots of the stiffness at every saved state (:attr:`Result.stability`) and, with
         a ``control``, to look for critical points; True with a control unless said otherwise. Where loads have no
         potential there is nothing to read, and ``info["stability"]`` says why.
+    linear
+        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -115,7 +122,7 @@ def solve_static(
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    settings = Settings(tolerance, rotation=rotation)
+    settings = Settings(tolerance, rotation=rotation, threads=threads, linear=Petsc.of(linear))
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)

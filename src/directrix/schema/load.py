@@ -115,8 +115,11 @@ class Case:
         """What drives a static path; None is load control. Raises ModelError."""
         return build_control(self.analysis.control) if isinstance(self.analysis, Statics) else None
 
-    def run(self, progress: Callable[[float, str], None] | None = None) -> Result:
-        """Solve it. Raises ModelError; a run that fails on the way is a Result with ``success`` False."""
+    def run(self, progress: Callable[[float, str], None] | None = None, threads: int = 1) -> Result:
+        """Solve it, a frame with so many ``threads``.
+
+        Raises ModelError; a run that fails on the way is a Result with ``success`` False.
+        """
         from directrix.dynamics import simulate
         from directrix.statics import solve_static
 
@@ -128,6 +131,7 @@ class Case:
                 control=self.control,
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
+                threads=threads,
                 save_every=save_every,
                 progress=progress,
             )
@@ -138,6 +142,7 @@ class Case:
             integrator=self._integrator(do),
             load_rule=do.load_rule,
             tolerance=do.tolerance,
+            threads=threads,
             save_every=save_every,
             progress=progress,
         )
