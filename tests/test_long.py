@@ -1,4 +1,4 @@
-"""What is left of the laws after very many steps: round-off, and nothing else. The figures are in CONTRIBUTING.md."""
+"""What is left of the laws after very many steps: round-off, and nothing else. What has been seen is in CONTRIBUTING.md."""
 
 from __future__ import annotations
 
