@@ -154,12 +154,21 @@ class Case:
         do = self.analysis
         if isinstance(do, Statics):
             steps = {} if do.control is not None else {"steps": do.steps}
-            more = {"control": self.control, "formulation": self._formulation(do), "tolerance": do.tolerance, **steps}
+            more: dict[str, Any] = {
+                "control": self.control,
+                "formulation": self._formulation(do),
+                "tolerance": do.tolerance,
+                **steps,
+            }
             return refine(self.model, what, levels=levels, **more)
         if do.adaptive is not None:
             raise InputError("steps that adapt cannot be halved", "leave adaptive out", str(self.source))
-        more = {"integrator": self._integrator(do), "load_rule": do.load_rule, "tolerance": do.tolerance}
-        return refine(self.model, what, levels=levels, t_end=do.t_end, dt=do.dt, **more)
+        options: dict[str, Any] = {
+            "integrator": self._integrator(do),
+            "load_rule": do.load_rule,
+            "tolerance": do.tolerance,
+        }
+        return refine(self.model, what, levels=levels, t_end=do.t_end, dt=do.dt, **options)
 
     @staticmethod
     def _formulation(do: Statics) -> Formulation:
