@@ -1,4 +1,4 @@
-"""What is left of the laws after very many steps: round-off, and nothing else. What has been seen is in CONTRIBUTING.md."""
+"""What is left of the laws after very many steps: round-off, and nothing else. CONTRIBUTING.md says what was seen."""
 
 from __future__ import annotations
 
