@@ -9,12 +9,14 @@ RUN := $(VENV)/bin/python
 INSTALL := $(RUN) -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long test-petsc lint types bench docs docs-full verification measured corpus
+.PHONY: help demo test test-long test-petsc coverage mutants lint types bench docs docs-full verification measured corpus
 
 help:
 	@echo "make demo       run the main example: audit, picture, animation, result file, in $(OUT)/"
 	@echo "make test       run the tests"
 	@echo "make test-long  run the long checks (minutes)"
+	@echo "make coverage   the tests, and which lines and branches they reach"
+	@echo "make mutants    change the mechanics here and there and see whether tests notice (hours; COUNT=60 SEED=1)"
 	@echo "make test-petsc run the checks of PETSc on two processes (Debian's python3-petsc4py and openmpi-bin)"
 	@echo "make lint       ruff: rules and format"
 	@echo "make types      pyright, strict"
@@ -30,6 +32,17 @@ test: $(VENV)/.dev
 
 test-long: $(VENV)/.dev
 	@$(RUN) -m pytest -m slow
+
+# two gates: pytest-cov knows one figure for lines and branches together
+coverage: $(VENV)/.dev
+	@$(RUN) -m pytest --cov --cov-report=json --cov-report=term:skip-covered
+	@$(RUN) -c "import json; t = json.load(open('coverage.json'))['totals']; \
+	lines, branches = t['covered_lines'] / t['num_statements'], t['covered_branches'] / t['num_branches']; \
+	print(f'lines {lines:.1%} (95 % asked), branches {branches:.1%} (90 % asked)'); \
+	raise SystemExit(not (lines >= 0.95 and branches >= 0.90))"
+
+mutants: $(VENV)/.dev
+	@$(RUN) tools/mutants.py --count $(or $(COUNT),60) --seed $(or $(SEED),1)
 
 # Debian's PETSc goes with the system's Python and a NumPy before 2
 PETSC_DIR ?= $(lastword $(wildcard /usr/lib/petscdir/petsc*/*-real))

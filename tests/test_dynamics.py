@@ -134,7 +134,7 @@ def test_the_last_state_is_kept_however_a_run_ends(save_every: int) -> None:
     runs = [
         dx.simulate(flying(), 1.0, 0.05, save_every=save_every, progress=interrupt),
         dx.simulate(flying().force("b", lambda t: (0, 0, 0) if t < 0.35 else None), 1.0, 0.05, save_every=save_every),
-        dx.simulate(flying().force("b", lambda t: (0, 0, 0 if t < 0.35 else 1e9)), 1.0, 0.05, save_every=save_every),
+        dx.simulate(flying().force("b", lambda t: (0, 0, 0 if t < 0.35 else 1e200)), 1.0, 0.05, save_every=save_every),
     ]
     for result in runs:
         assert not result.success and result.t[-1] == pytest.approx(0.35)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import directrix as dx
+from directrix.cli import app
 
 STIFF = {"EA": 2500, "GA1": 950, "GA2": 900, "EI1": 10, "EI2": 12, "GJ": 8}
 MASS = {"A_rho": 2.5, "I_rho1": 0.012, "I_rho2": 0.01}
@@ -69,3 +72,19 @@ def test_the_sources_are_printed_saved_and_in_the_summary(run: dx.Result, tmp_pa
     for name, taken in run.energy.by_source.items():
         np.testing.assert_array_equal(again.energy.by_source[name], taken)
         assert f"dissipated by {name}: {taken[-1]:.9g}" in str(again)
+
+
+@pytest.mark.open_ledger(
+    "the stresses are those of the midpoint rule, which does not keep the energy that it is said to"
+)
+def test_a_run_whose_ledger_does_not_close_ends_with_exit_code_4(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    CliRunner().invoke(app, ["examples", "free_flight", "--copy", str(tmp_path)])
+    file = tmp_path / "free_flight.toml"
+    file.write_text(file.read_text("utf-8").replace("t_end = 30", "t_end = 2"), "utf-8")
+    assert CliRunner().invoke(app, ["run", str(file), "--no-view"]).exit_code == 0
+    monkeypatch.setattr(dx.EnergyMomentum, "scheme", dx.Midpoint.scheme)
+    done = CliRunner().invoke(app, ["run", str(file), "--no-view"])
+    assert done.exit_code == 4 and "FAILED: energy" in done.output
+    assert json.loads((tmp_path / "free_flight.run" / "run.json").read_text("utf-8"))["status"]["exit_code"] == 4

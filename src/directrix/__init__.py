@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from directrix.linear.petsc import Petsc
     from directrix.model import Model
     from directrix.points import Recorder
+    from directrix.refinement import Refined, refine
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
     from directrix.statics import solve_static
+    from directrix.stepping import Adaptive
     from directrix.storage import load
     from directrix.tapered import taper
     from directrix.viewer import view
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Adaptive",
     "ArcLength",
     "BucklingLoads",
     "ConvergenceError",
@@ -64,6 +67,7 @@ __all__ = [
     "Petsc",
     "Plane",
     "Recorder",
+    "Refined",
     "Result",
     "Section",
     "SimoTarnowDoblare",
@@ -93,6 +97,7 @@ __all__ = [
     "modes",
     "polyline",
     "ramp",
+    "refine",
     "simulate",
     "solve_static",
     "spline",
@@ -130,10 +135,12 @@ _HOME = {
     "linear.petsc": ("Petsc",),
     "model": ("Model",),
     "points": ("Recorder",),
+    "refinement": ("Refined", "refine"),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),
     "statics": ("solve_static",),
+    "stepping": ("Adaptive",),
     "storage": ("load",),
     "tapered": ("taper",),
     "viewer": ("view",),

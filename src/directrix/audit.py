@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-__all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report"]
+__all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report", "stepped"]
 
+LEDGER = 1e-8  # of its largest term: kinetic or stored energy, work or dissipation so far
 LIMIT = 1e-9  # relative; rounding leaves 1e-15 a step
 WARN_TURN = np.pi / 6
 
@@ -103,8 +104,8 @@ class DynamicBooks:
     deviation seen.
     """
 
-    def __init__(self, disc: Discretisation, integrator: Integrator, first: Books, dt: float) -> None:
-        self.integrator, self.dt = integrator, dt
+    def __init__(self, disc: Discretisation, integrator: Integrator, first: Books) -> None:
+        self.integrator = integrator
         self.mass = sum(
             rod.section.mean_mass * mesh.s[-1] for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         ) + sum(body.mass for body in disc.model.bodies)
@@ -120,18 +121,19 @@ class DynamicBooks:
         self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
-        self.waiting: list[tuple[Array, Array, Array]] = []
+        self.waiting: list[tuple[Array, Array, Array, Array]] = []
         self.off = np.zeros(3)
-        self.energy, self.kinetic = float(first.totals[:2].sum()), float(first.totals[1])
+        self.kinetic = float(first.totals[1])
+        self.term = float(first.totals[:2].max())  # largest of stored, kinetic, work and dissipated so far
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
-    def add(self, books: Books) -> None:
-        """Book one step."""
+    def add(self, books: Books, dt: float) -> None:
+        """Book one step of length ``dt``."""
         # what acts may cancel: a rod that rests on something has the impulse of its weight, not none
         force = max(float(np.linalg.norm(part)) for part in (books.flow[2:5], books.ground[:3], books.reaction[:, :3]))
         moment = max(float(np.linalg.norm(part)) for part in (books.flow[5:8], books.ground[3:]))
-        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]))
+        self.add_steps(books.totals[None, :8].copy(), books.flow[None].copy(), np.array([[force, moment]]), dt)
         if self.taken.size:
             self.taken += books.taken
             self.done += books.done
@@ -139,9 +141,9 @@ class DynamicBooks:
             self.turnover[0] += np.abs(books.done).sum()
         self.turn.add(books.totals)
 
-    def add_steps(self, totals: Array, flow: Array, acting: Array) -> None:
-        """Book several steps: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as in ``Books``,
-        ``acting`` (m, 2) the size of the forces and moments that act from outside, whether or not they cancel.
+    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> None:
+        """Book several steps of length ``dt``: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as
+        in ``Books``, ``acting`` (m, 2) the size of the forces and moments that act from outside, cancelling or not.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """
@@ -149,21 +151,22 @@ class DynamicBooks:
             self.work += row[0] + row[1] + row[3]
             self.prescribed += row[1]
             self.dissipated += row[2]
-        self.waiting.append((totals, flow, acting))
+        self.waiting.append((totals, flow, acting, np.full((len(flow), 1), dt)))
         if len(self.waiting) >= 512:
             self._settle()
 
     def _settle(self) -> None:
         if not self.waiting:
             return
-        totals, flow, acting = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        totals, flow, acting, dt = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
         self.waiting = []
         work = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1] + flow[:, 9])
         dissipated = self.settled[1] + np.cumsum(flow[:, 8])
-        impulse = self.impulse + self.dt * np.cumsum(flow[:, 2:8], axis=0)
-        self.turnover += (np.abs(flow[:, :2]).sum(), *(self.dt * acting.sum(axis=0)))
+        impulse = self.impulse + np.cumsum(dt * flow[:, 2:8], axis=0)
+        self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0))
         energy = totals[:, 0] + totals[:, 1]
-        self.energy = max(self.energy, float(energy.max()))
+        terms = (totals[:, 0], totals[:, 1], np.abs(work), np.abs(dissipated))
+        self.term = max(self.term, *(float(term.max()) for term in terms))
         self.kinetic = max(self.kinetic, float(totals[:, 1].max()))
         change = totals[:, 2:8] - self.start[2:8] - impulse
         off = np.stack(
@@ -182,8 +185,8 @@ class DynamicBooks:
         return self.work, self.prescribed, self.dissipated, *self.taken.tolist(), *self.done.tolist()
 
     def error(self, energy: float) -> float:
-        """How far the ledger is from closing at this energy, relative to the largest energy or the work so far."""
-        scale = max(self.energy, abs(energy), abs(self.work), self.least)
+        """How far the ledger is from closing at this energy, relative to the largest term so far."""
+        scale = max(self.term, abs(energy), abs(self.work), self.least)
         off = abs(energy - float(self.start[0] + self.start[1]) - self.work + self.dissipated)
         return off / scale if scale > 0.0 else 0.0
 
@@ -192,7 +195,7 @@ class DynamicBooks:
         self._settle()
         momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
         scale = (
-            max(self.energy, self.turnover[0], self.least),
+            max(self.term, self.least),
             momentum,
             max(momentum * self.reach, self.turnover[2]),
         )
@@ -201,7 +204,7 @@ class DynamicBooks:
         back = Entry("dissipation", float(self.given / scale[0]) if scale[0] > 0.0 else 0.0, LIMIT, f"{scale[0]:.6g}")
         return self.turn.audit(
             [
-                Entry("energy", value[0], LIMIT, f"{scale[0]:.6g}", claims.conserves_energy),
+                Entry("energy", value[0], LEDGER, f"{scale[0]:.6g}", claims.conserves_energy),
                 Entry("linear momentum", value[1], LIMIT, f"{scale[1]:.6g}", claims.conserves_momenta),
                 Entry("angular momentum", value[2], LIMIT, f"{scale[2]:.6g}", claims.conserves_momenta),
                 *((back,) if self.dissipated else ()),
@@ -267,6 +270,15 @@ def _workers(result: Result) -> dict[str, Array]:
     return working if len(working) > 1 else {}
 
 
+def stepped(result: Result) -> list[str]:
+    """How long steps were and how often they were cut, where that says something."""
+    cuts, rejected, dt = result.info.get("cuts", 0), result.info.get("rejected", 0), result.dt
+    lengths = [f"steps of {dt.min():.3g} … {dt.max():.3g}"] if dt.size and dt.min() < dt.max() else []
+    thrown = [f"{cuts} times cut because Newton failed"] if cuts else []
+    thrown += [f"{rejected} taken again because the error was too large"] if rejected else []
+    return ["  " + ", ".join(lengths + thrown)] if lengths or thrown else []
+
+
 def report(result: Result) -> str:
     """The whole result in a few lines, for ``print(result)``."""
     info, audit = result.info, result.audit
@@ -279,6 +291,7 @@ def report(result: Result) -> str:
         f"{result.name}: {'done' if result.success else 'NOT DONE'}: {result.status}",
         f"  {result.kind}, {scheme}, {size}",
         f"  {clock} = {result.t[0]:g} … {result.t[-1]:g}, {iterations.size} steps, {mean}",
+        *stepped(result),
         f"  energy: kinetic {result.energy.kinetic[-1]:.9g}, stored {result.energy.stored[-1]:.9g}, "
         f"total {result.energy.total[-1]:.9g}; work done on it {result.energy.work[-1]:.9g}"
         + (f", dissipated {result.energy.dissipated[-1]:.9g}" if result.energy.dissipated[-1] else ""),

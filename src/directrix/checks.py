@@ -121,22 +121,22 @@ def file(value: Any, what: str) -> Path:
     return Path(value)
 
 
-def step_count(t0: float, t_end: float, dt: float) -> int:
-    """Steps ``dt`` > 0 from ``t0`` to ``t_end``; raises ModelError when they are too many or not whole."""
+def step_count(t0: float, t_end: float, dt: float, what: str = "dt") -> int:
+    """Steps ``dt`` > 0, called ``what``, from ``t0`` to ``t_end``; raises ModelError: too many, or not whole."""
     if not t_end > t0:
         raise ModelError(f"t_end = {t_end} is not after the start at t = {t0:g}", "give a later end", "t_end=")
     if not (t_end - t0) / dt < 1e12:
         raise ModelError(
-            f"dt = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", "dt=, t_end="
+            f"{what} = {dt:g} makes more than 10¹² steps", "give a longer step or an earlier end", f"{what}=, t_end="
         )
     steps = round((t_end - t0) / dt)
     if steps < 1 or abs(steps * dt - (t_end - t0)) > 1e-6 * dt * max(1, steps) ** 0.5:
         near = max(1, steps)
         since = f"from t = {t0:g} to " if t0 else ""
         raise ModelError(
-            f"{since}t_end = {t_end:g} is not a whole number of steps dt = {dt:g}",
-            f"use dt = {(t_end - t0) / near:.10g} or t_end = {t0 + near * dt:.10g}",
-            "dt=, t_end=",
+            f"{since}t_end = {t_end:g} is not a whole number of steps {what} = {dt:g}",
+            f"use {what} = {(t_end - t0) / near:.10g} or t_end = {t0 + near * dt:.10g}",
+            f"{what}=, t_end=",
         )
     return steps
 

@@ -159,6 +159,9 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
+    adaptive: Annotated[
+        float | None, typer.Option(metavar="TOL", help="Time steps as long as this local error allows.")
+    ] = None,
     threads: Annotated[
         int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
     ] = 1,
@@ -174,6 +177,7 @@ def run(
     from directrix.schema import load_case
 
     case = load_case(case_file)
+    case = case if adaptive is None else case.adapted(adaptive)
     rival = case.stepped_by(beside.value) if beside else None
     folder = RunFolder.claim(out or case_file.with_suffix(".run"))
     console = Console(quiet=quiet, highlight=False)
@@ -207,6 +211,21 @@ def run(
     if code and quiet:
         _say(f"{case_file}: {result.status} audit {result.audit.verdict}")
     return code
+
+
+@app.command(epilog="Example: directrix refine cantilever.toml --quantity node:tip:displacement:z --levels 2")
+@_guarded
+def refine(
+    case_file: CaseFile,
+    quantity: Annotated[
+        str, typer.Option("--quantity", help="E.g. node:B:displacement:y, rod:mid:force:axial:max, energy:stored.")
+    ],
+    levels: Annotated[int, typer.Option(help="Meshes and steps to compare; two cannot tell the order.")] = 3,
+) -> None:
+    """Run a case on finer meshes and in shorter steps; print how far a quantity is from its limit."""
+    from directrix.schema import load_case
+
+    print(load_case(case_file).refine(quantity, levels))
 
 
 @app.command(epilog="Example: directrix check cantilever.toml --picture model.png")

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Column, Table
 
+from directrix.audit import stepped
 from directrix.result import Result
 from directrix.telling import time_left
 
@@ -86,6 +87,7 @@ def show(console: Console, result: Result) -> None:
         + (f", dissipated {energy.dissipated[-1]:.9g}" if energy.dissipated[-1] else ""),
         f"{_count(steps.size, 'step')}, {_count(int(steps.sum()), 'Newton iteration')}, "
         f"{result.info.get('wall_seconds', 0.0):.2f} s",
+        *(line.strip() for line in stepped(result)),
         *(f"note: {note}" for note in result.audit.notes),
     ]
     for line in lines:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 from directrix import points
 from directrix.audit import DynamicBooks
-from directrix.checks import choice, number, reporting, shown, step_count, whole
+from directrix.checks import choice, number, reporting, shown, whole
 from directrix.diagnosis import refuse, without_inertia
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
@@ -23,6 +24,8 @@ from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status
 from directrix.scheme import Rates
 from directrix.state import has_history, initial_state, place_supports
+from directrix.statics import PATIENCE
+from directrix.stepping import Adaptive, Beat, Fixed, Stepping, stepping, way
 from directrix.telling import line
 
 __all__ = ["refuse_damping", "simulate"]
@@ -31,7 +34,7 @@ __all__ = ["refuse_damping", "simulate"]
 def simulate(
     model: Model,
     t_end: float,
-    dt: float,
+    dt: float | Adaptive,
     *,
     integrator: Integrator | None = None,
     formulation: Formulation | None = None,
@@ -45,14 +48,17 @@ def simulate(
     progress: Progress | Literal[True] | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
-    """Integrate the motion from t = 0 (or from ``start``) to ``t_end`` in equal steps.
+    """Integrate the motion from t = 0 (or from ``start``) to ``t_end``, in equal steps or as long as an error allows.
+
+    A step that cannot be solved is cut in halves, down to 1/4096, and the steps grow again after easy ones; what the
+    integrator conserves it conserves in steps of any length. ``result.dt`` and ``result.cuts`` tell.
 
     Parameters
     ----------
     model
         Rods with mass, supports, loads, initial velocities.
     t_end, dt
-        End and step; ``t_end`` must be a whole number of steps away.
+        End and step; ``t_end`` must be a whole number of steps away. Or ``dx.Adaptive(…)``, which see.
     integrator
         ``EnergyMomentum()`` (default), ``Midpoint()``, ``EnergyDissipating(..)``, ``GeneralizedAlpha(rho_inf)``,
         ``HilberHughesTaylor(alpha)``, ``Newmark(..)``, ``SimoTarnowDoblare()``.
@@ -64,7 +70,7 @@ def simulate(
     start
         Go on from the last instant of this result, at its time if it is dynamic and at t = 0 if static.
     save_every
-        Keep every so many steps; the last one is always kept.
+        Keep every so many steps, whole ones of a fixed ``dt``; the last state is always kept.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
     record
@@ -88,14 +94,18 @@ def simulate(
     _refuse(formulation, integrator, load_rule)
     refuse_strategies(formulation, progress)
     save_every = whole(save_every, "save_every", 1, 10**9)
-    t_end, dt = number(t_end, "t_end"), number(dt, "dt", above=0.0)
+    t_end = number(t_end, "t_end")
     refuse_damping(model, integrator)
     t0 = float(start.t[-1]) if isinstance(start, Result) and start.kind == "dynamic" else 0.0
-    steps = step_count(t0, t_end, dt)
-    scheme = integrator.scheme(dt)
+    pace = stepping(dt, t0, t_end, integrator)
+    if isinstance(dt, Adaptive) and dt.save_at is not None and save_every != 1:
+        raise ModelError("save_at and save_every both say what is kept", "leave one of them out", "save_every=")
+    beat = pace.first()
+    scheme = integrator.scheme(beat.dt)
     disc = discretise(model, scheme)
+    settings = Settings(tolerance, PATIENCE, retry=False) if pace.adaptive else Settings(tolerance)
     x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, Settings(tolerance, threads=threads, linear=Petsc.of(linear)))
+    newton = Newton(disc, scheme, replace(settings, threads=threads, linear=Petsc.of(linear)))
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
     place_supports(disc, x, t0)
@@ -108,17 +118,19 @@ def simulate(
     acting = newton.applied(x, external)
     recorder = Recorder(disc, "dynamic", record, feed_of(progress))
     books = newton.books(x)
-    ledger = DynamicBooks(disc, integrator, books, dt)
+    ledger = DynamicBooks(disc, integrator, books)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
     steady = not any(load.varies for load in disc.loads)
     before, report = t0, reporting(progress)
     unsaved = None
-    fast = fast_for(newton)
-    k = saved = 0
-    status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
+    fast = fast_for(newton, pace.dt) if isinstance(pace, Fixed) else None
+    if pace.adaptive:
+        beat = replace(beat, past=((0.0, x[: disc.nodes, 24:36].copy()),))
+    saved = 0  # steps that are behind what was last kept
+    status = Status("done", "")
     try:
-        while k < steps:
-            before, t = t0 + k * dt, t0 + (k + 1) * dt
+        while not beat.done:
+            before, t = beat.t, beat.to
             if not steady:
                 if ends:
                     external = disc.external(t)
@@ -126,22 +138,26 @@ def simulate(
                     external = disc.external(0.5 * (before + t))
                 else:
                     external = 0.5 * (disc.external(before) + disc.external(t))
-            if fast is not None:
+            if fast is not None and isinstance(pace, Fixed) and beat.whole:
                 alone = progress is not None or not steady
-                taken = fast.take(x, external, 1 if alone else min(steps - k, save_every - k % save_every), ledger)
+                many = 1 if alone else min(pace.steps - beat.k, save_every - beat.k % save_every)
+                taken = fast.take(x, external, many, ledger)
                 if taken:
-                    k += len(taken)
-                    recorder.iterations += taken
-                    before = t0 + k * dt
-                    if k % save_every == 0 or k == steps:
+                    recorder.log.took(beat.dt, taken)
+                    beat = pace.on(beat, len(taken))
+                    before = beat.t
+                    if beat.k % save_every == 0 or beat.done:
                         books = fast.books(x)
                         recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
-                        saved = k
-                    report(k / steps, _line(before, recorder, ledger, fast.energy))
+                        saved = len(recorder.iterations)
+                    report(pace.fraction(beat), _line(before, recorder, ledger, fast.energy))
                     continue
-                books = fast.books(x)
-                fast.give(x)
-                unsaved = (newton.positions(x), x.copy()) if saved < k else None
+                if fast.inside:
+                    books = fast.books(x)
+                    fast.give(x)
+                unsaved = (newton.positions(x), x.copy()) if saved < len(recorder.iterations) else None
+            x = newton.retime(integrator.scheme(beat.dt), x)
+            good = x.copy()
             if newton.driver.varies and ends:
                 newton.driver.place(t, 1.0)
             elif newton.driver.varies:
@@ -149,47 +165,60 @@ def simulate(
             newton.begin(x)
             moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
             outcome = newton.solve(x, external, moved)
-            recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
-                failed = explained(newton, newton.start, outcome.status, static=False)
-                status = Status(
-                    failed.code,
-                    f"stopped at t = {before:g}, in step {k + 1} to t = {t:g}: {failed.sentence}",
-                    failed.advice,
-                )
-                break
+                x, shorter = good, pace.shorter(beat)
+                recorder.log.threw(rejected=False)
+                if shorter is None:
+                    failed = explained(newton, newton.start, outcome.status, static=False)
+                    status = Status(failed.code, f"{_stopped(pace, beat)}: {failed.sentence}", failed.advice)
+                    break
+                beat = shorter
+                continue
+            fine, after = pace.judge(beat, way(x, disc.nodes) / beat.dt if pace.adaptive else None, disc.length)
+            if not fine:
+                x = good
+                recorder.log.threw(rejected=True)
+                if after is None:
+                    status = Status("inaccurate", f"{_stopped(pace, beat)}.", "Raise the tolerance, or lower dt_min.")
+                    break
+                beat = after
+                continue
+            assert after is not None
             books = newton.finish(x, acting if ends else None)
             if ends:
                 acting = books.applied.copy()
-            ledger.add(books)
-            k += 1
-            if k % save_every == 0 or k == steps:
+            ledger.add(books, beat.dt)
+            recorder.log.took(beat.dt, [outcome.iterations])
+            whole_step, beat, before = beat.asked, after, t
+            count = len(recorder.iterations) if pace.adaptive else beat.k
+            if beat.done or ((whole_step or not pace.on_time) and count % save_every == 0):
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
-                unsaved, saved = None, k
+                unsaved, saved = None, len(recorder.iterations)
             else:  # for a run that ends on the way: a step that fails leaves x somewhere
                 unsaved = newton.positions(x), x.copy()
-            before = t
-            report(k / steps, _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
+            report(pace.fraction(beat), _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
+        else:
+            status = Status("done", f"reached t = {t_end:g} in {len(recorder.iterations)} steps{_thrown(recorder)}.")
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken
             taken = fast.settle(ledger)
-            k += len(taken)
-            recorder.iterations += taken
-            before = t0 + k * dt
+            recorder.log.took(beat.dt, taken)
+            before = pace.on(beat, len(taken)).t if isinstance(pace, Fixed) and taken else before
         status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
     if fast is not None:
         fast.close(ledger)
-        if fast.inside and saved < k:
+        if fast.inside and saved < len(recorder.iterations):
             books = fast.books(x)
             unsaved = newton.positions(x), x
     if unsaved is not None:
         recorder.keep(before, 1.0, *unsaved, books, ledger.flows)
     info = {
-        "integrator": repr(integrator), "formulation": repr(integrator.formulation), "dt": dt, "t_end": t_end,
-        "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),
-        "element": repr(scheme.element),
+        "integrator": repr(integrator), "formulation": repr(integrator.formulation),
+        "dt": repr(dt) if isinstance(dt, Adaptive) else dt, "t_end": t_end, "load_rule": load_rule,
+        "tolerance": tolerance, "steps": len(recorder.iterations), "cuts": recorder.log.failed,
+        "rejected": recorder.log.rejected, "element": repr(scheme.element),
     }  # fmt: skip
     result = recorder.result(status, ledger.audit(), info)
     if raise_on_failure and not result.success:
@@ -198,7 +227,19 @@ def simulate(
 
 
 def _line(t: float, recorder: Recorder, ledger: DynamicBooks, energy: float) -> str:
-    return line("t =", t, recorder.iterations, energy=energy, error=ledger.error(energy))
+    log = recorder.log
+    return line("t =", t, log.iterations, cuts=log.failed, energy=energy, error=ledger.error(energy))
+
+
+def _stopped(pace: Stepping, beat: Beat) -> str:
+    where = f", in step {beat.k + 1} to t = {beat.to:g}" if beat.whole and not pace.adaptive else ""
+    return f"stopped at t = {beat.t:g}{where}: {pace.why(beat)}"
+
+
+def _thrown(recorder: Recorder) -> str:
+    log = recorder.log
+    parts = (f"{log.failed} times cut" * (log.failed > 0), f"{log.rejected} taken again shorter" * (log.rejected > 0))
+    return "".join(f", {part}" for part in parts if part)
 
 
 def _refuse(formulation: object, integrator: object, load_rule: str) -> None:

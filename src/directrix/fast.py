@@ -14,18 +14,18 @@ Array = NDArray[np.float64]
 __all__ = ["Fast", "fast_for"]
 
 
-def fast_for(newton: Newton) -> Fast | None:
-    """The fast way for what ``newton`` solves, or None; see :func:`directrix.strips.strips_for`."""
+def fast_for(newton: Newton, dt: float) -> Fast | None:
+    """The fast way for what ``newton`` solves in steps ``dt``, or None; see :func:`directrix.strips.strips_for`."""
     strips = strips_for(newton.disc, newton.scheme, newton.tables.damping.size > 0, newton.options)
-    return None if strips is None else Fast(newton, strips)
+    return None if strips is None else Fast(newton, strips, dt)
 
 
 class Fast:
     """Takes steps in lanes for a loop that keeps its state in ``x``: the state moves to the lanes when steps are taken
     and comes back when it is asked for."""
 
-    def __init__(self, newton: Newton, strips: Strips) -> None:
-        self.newton, self.strips = newton, strips
+    def __init__(self, newton: Newton, strips: Strips, dt: float) -> None:
+        self.newton, self.strips, self.dt = newton, strips, dt
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
         self.results = np.zeros((0, 19))
@@ -56,7 +56,8 @@ class Fast:
             if self.newton.free:
                 self._follow()
             force, moment = np.linalg.norm(flow[:, 2:5], axis=1), np.linalg.norm(flow[:, 5:8], axis=1)
-            ledger.add_steps(totals, flow, np.stack([np.maximum(force, np.sqrt(rows[:, 17])), moment], -1))
+            acting = np.stack([np.maximum(force, np.sqrt(rows[:, 17])), moment], -1)
+            ledger.add_steps(totals, flow, acting, self.dt)
             self.energy = float(totals[-1, 0] + totals[-1, 1])
             self.loss = max(self.loss, float(rows[:, 16].max()))
         return [int(n) for n in rows[:, 0]]

@@ -16,17 +16,20 @@ from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
-from directrix.kernels.tables import tables_for, work_for
+from directrix.kernels.tables import damping_for, tables_for, work_for
 from directrix.linear.condensed import Condensed, usual
 from directrix.linear.petsc import Petsc
 from directrix.result import Status
-from directrix.scheme import Scheme
+from directrix.scheme import Rates, Scheme
 from directrix.state import place_all, place_supports
 
 if TYPE_CHECKING:
     from directrix.family import Family
 
 Array = NDArray[np.float64]
+
+UPSIDE_DOWN = 1.0 + 2.0 * np.cos(np.radians(170.0))
+"""Σ d0·d1 of a node that turns too far in a step."""
 
 __all__ = ["Books", "Newton", "Outcome", "Settings"]
 
@@ -37,14 +40,16 @@ class Settings:
 
     ``tolerance``: unbalanced force (moment) over the largest element force (moment), never below round-off;
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
-    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``threads`` that
-    share the solution of a frame, unless ``linear`` solves it.
+    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``retry``: a step
+    that is not solved is tried again with other damping. ``threads`` that share the solution of a frame, unless
+    ``linear`` solves it.
     """
 
     tolerance: float = 1e-9
     iterations: int = 50
     largest_turn: float = 0.3
     rotation: str = "exponential"
+    retry: bool = True
     threads: int = 1
     linear: Petsc | None = None
 
@@ -167,7 +172,7 @@ class Newton:
         """
         near = self.disc.near
         if near is None or self.pairs is None:
-            return self._balance(x, external, moved)
+            return self._upright(x, self._balance(x, external, moved))
         start, iterations = x.copy(), 0
         while True:
             outcome = self._balance(x, external, moved)
@@ -177,9 +182,25 @@ class Newton:
             r = x[: self.disc.nodes, :3]
             if not near.outside(self.pairs, r, touching=True):
                 at = near.crossed(r - x[: self.disc.nodes, 12:15], r)
-                return Outcome(iterations, None if at < 0 else self._crossed(at))
+                return self._upright(x, Outcome(iterations, None if at < 0 else self._crossed(at)))
             self._bring(union(self.pairs, near.around(r)))
             x[:] = start
+
+    def _upright(self, x: Array, outcome: Outcome) -> Outcome:
+        """Refuse a step in which a node turns upside down: where d0 and d1 have no mean, a step balances whatever the
+        energy does."""
+        if outcome.status is not None or not self.scheme.rates.half:
+            return outcome
+        n = self.disc.nodes
+        dots = np.einsum("ni,ni->n", x[:n, 3:12], x[:n, 15:24])
+        node = int(np.argmin(dots))
+        if dots[node] >= UPSIDE_DOWN:
+            return outcome
+        sentence = (
+            f"{self.disc.mesh.place(node)} would turn by {np.degrees(turn_of(dots[node])):.0f}° in one step, and half "
+            "a turn has no middle."
+        )
+        return Outcome(outcome.iterations, Status("not_converged", sentence, "Take smaller steps."))
 
     def _crossed(self, node: int) -> Status:
         return Status(
@@ -199,10 +220,10 @@ class Newton:
             x[:] = start
             again = self._by_small_moves(x, external, moved)
             outcome = Outcome(outcome.iterations + again.iterations, again.status)
-        # a time step cannot be cut: it is tried again with other damping; and positions by themselves, which an
+        # a time step is tried again with other damping before it is cut; and positions by themselves, which an
         # iteration may solve for, do not always have the freedom to close joints
         jointed = bool(self.disc.model.joints)
-        if not self.scheme.static or jointed:
+        if (not self.scheme.static and self.settings.retry) or jointed:
             again_for = ("not_converged", "singular") if jointed else ("not_converged",)
             for turn in (self.settings.largest_turn, 0.1):
                 if outcome.status is None or outcome.status.code not in again_for:
@@ -339,6 +360,23 @@ class Newton:
             kept[:, :3], kept[:, 3:] = x[:n, 27:30], x[:n, 33:36]
         x[:n, 24:36] = rates
         self.globals[:] = common
+
+    def retime(self, scheme: Scheme, x: Array) -> Array:
+        """Take steps of another length from the state ``x`` on; the state as that scheme wants it."""
+        if scheme == self.scheme:
+            return x
+        before, self.scheme = self.scheme, scheme
+        self.globals[: len(scheme.common)] = scheme.common
+        self.options[1:3] = _round_off(self.disc, scheme.inertia)
+        if self.tables.damping.size:
+            self.tables.damping[:] = damping_for(self.disc, scheme)[0]
+        if scheme.rates is not Rates.ALPHA:
+            return x
+        # an acceleration a0 belongs to an instant that is Δt times a constant away from t0, where it is v̇0
+        x, n, rows = x.copy(), self.disc.nodes, self.disc.rows
+        known, ratio = x[rows : rows + n], scheme.common[2] / before.common[2]
+        known[:, :6] = known[:, 6:12] + ratio * (known[:, :6] - known[:, 6:12])
+        return x
 
     def begin(self, x: Array) -> None:
         """Prepare the rates of ``x`` for a step; before supports move."""

@@ -18,6 +18,7 @@ from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
 from directrix.newton import Books
 from directrix.result import Energy, Momentum, Result, Status
+from directrix.steplog import Log
 
 Array = NDArray[np.float64]
 
@@ -54,7 +55,8 @@ class Recorder:
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[tuple[Array, ...]] = []
-        self.iterations: list[int] = []
+        self.log = Log()
+        self.iterations = self.log.iterations
         self.started = time.perf_counter()
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
@@ -86,6 +88,7 @@ class Recorder:
             np.stack(column) for column in zip(*self.rows, strict=True)
         )
         stressed = self._stressed(strain, scalars)
+        dt, cuts = self.log.arrays()
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
@@ -112,6 +115,8 @@ class Recorder:
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
+            dt=dt,
+            cuts=cuts,
             status=status,
             audit=audit,
             info={**about, **info},

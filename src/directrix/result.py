@@ -290,6 +290,9 @@ class Result:
     density : (nt, stations) stored energy per unit of reference length; (0, 0) where nobody worked it out
     energy, momentum : histories
     iterations : (steps,) Newton iterations of every step taken
+    dt : (steps,) length of every step of a motion; they add up to the time from the start to the end
+    cuts : (steps,) how many times a step of a motion was tried too long before it was taken: its equations were not
+        solved, or its error was too large; both are (0,) in statics, where ``info["cuts"]`` counts
     status : how it ended
     audit : the books of every step, and the verdict
     info : what ran: versions, integrator, formulation, step, tolerance, wall time
@@ -327,6 +330,8 @@ class Result:
     contacts: Mapping[str, Array] = field(default_factory=dict[str, Array])
     turning_points: tuple[TurningPoint, ...] = ()
     stability: PathStability | None = None
+    dt: Array = field(default_factory=lambda: np.zeros(0))
+    cuts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @cached_property
     def arc_length(self) -> Array:

@@ -13,9 +13,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 from directrix.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from directrix.result import Result
     from directrix.schema import Case
 
@@ -159,6 +163,10 @@ def summary(case: Case, result: Result, saved: Path) -> Json:
             "last_t": float(result.t[-1]),
             "iterations": int(steps.sum()),
             "most_iterations": int(steps.max(initial=0)),
+            "cuts": int(result.info.get("cuts", 0)),
+            "rejected": int(result.info.get("rejected", 0)),
+            "shortest": float(result.dt.min()) if result.dt.size else None,
+            "longest": float(result.dt.max()) if result.dt.size else None,
         },
         "energy": {
             name: {"first": float(h[0]), "last": float(h[-1]), "largest": float(abs(h).max())}
@@ -214,6 +222,7 @@ def _stability(result: Result) -> Json:
 def _monitor(path: Path, result: Result) -> Path:
     """One row per saved instant, full precision."""
     energy = result.energy
+    dt, cuts = _last_steps(result)
     columns = {
         "t" if result.kind == "dynamic" else "load_factor": result.t,
         "kinetic": energy.kinetic,
@@ -224,12 +233,21 @@ def _monitor(path: Path, result: Result) -> Path:
         "residual": energy.residual,
         **{f"L{axis}": result.momentum.linear[:, k] for k, axis in enumerate("xyz")},
         **{f"J{axis}": result.momentum.angular[:, k] for k, axis in enumerate("xyz")},
+        **({"dt": dt, "cuts": cuts} if result.dt.size else {}),
     }
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
     return path
+
+
+def _last_steps(result: Result) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """At every saved instant the length of the step that ended there, and how many were thrown away so far."""
+    ends = result.t[0] + np.cumsum(result.dt)
+    slack = 0.25 * float(result.dt.min(initial=np.inf))  # sums of steps round off
+    behind = np.asarray(np.searchsorted(ends, result.t + slack), np.int64)
+    return np.concatenate([[0.0], result.dt])[behind], np.concatenate([[0], np.cumsum(result.cuts)])[behind]
 
 
 def _sha256(path: Path) -> str:

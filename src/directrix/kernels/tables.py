@@ -31,7 +31,7 @@ from directrix.scheme import Scheme
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Tables", "Work", "in_lanes", "tables_for", "work_for"]
+__all__ = ["Tables", "Work", "damping_for", "in_lanes", "tables_for", "work_for"]
 
 
 class Tables(Record):
@@ -166,13 +166,13 @@ def tables_for(disc: Discretisation, scheme: Scheme) -> Tables:
         any(g.inside and g.condensed for g in disc.groups),
         disc.nodes,
         disc.lumped if scheme.lumped else np.zeros((0, 13)),
-        *_damping(disc, scheme),
+        *damping_for(disc, scheme),
         disc.sources.element,
         disc.sources.numerical,
     )
 
 
-def _damping(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
+def damping_for(disc: Discretisation, scheme: Scheme) -> tuple[Array, Ints]:
     """(parts, stations, 6, 6) Q of what a step dissipates, Σ Δε·Q Δε, and the source (parts, stations) it is booked
     under: first the viscous sections, then the scheme; no parts when nothing dissipates."""
     sources, chi = disc.sources, scheme.common[2]

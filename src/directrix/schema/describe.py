@@ -16,7 +16,7 @@ from directrix.joints import KINDS, Joint
 from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure, RigidVelocity, Rod
 from directrix.schema.functions import Pulse, Ramp, Rotated, Scaled, ScaledNumber, Sine, Table, VectorTable
 from directrix.schema.load import Case
-from directrix.schema.models import ArcLength, DisplacementControl, Statics
+from directrix.schema.models import ArcLength, DisplacementControl, Dynamics, Statics
 from directrix.section import Section
 
 Array = NDArray[np.float64]
@@ -111,7 +111,7 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
         if do.formulation != "directors":
             yield f"  formulation {do.formulation}"
     else:
-        yield f"dynamics: t = 0 → {do.t_end:g} in {round(do.t_end / do.dt)} steps of {do.dt:g}"
+        yield f"dynamics: t = 0 → {do.t_end:g} {_steps(do)}"
         given = "".join(f", {k} = {v:g}" for k, v in do.parameters.items())
         yield f"  {do.integrator} step{given}, loads by the {do.load_rule} rule"
     kept = "every step" if every == 1 else f"every {every} steps and the last"
@@ -123,6 +123,13 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     if multipliers := int((~disc.held[disc.nodes :]).sum()):
         size += f" and {multipliers} multipliers of joints"
     yield f"  {size}, {shape}"
+
+
+def _steps(do: Dynamics) -> str:
+    if do.adaptive is None:
+        return f"in {round(do.t_end / do.dt)} steps of {do.dt:g}, cut when needed"
+    ends = "" if do.adaptive.save_at is None else f", ending at multiples of {do.adaptive.save_at:g}"
+    return f"in steps with an error of {do.adaptive.tolerance:g} at most, {do.dt:g} at first{ends}"
 
 
 def _drive(do: Statics) -> Iterator[str]:

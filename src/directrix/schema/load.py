@@ -17,6 +17,7 @@ from directrix import checks, controls
 from directrix.errors import InputError, ModelError
 from directrix.findings import Finding
 from directrix.model import Model
+from directrix.schema import models
 from directrix.schema.blame import Blame, at_entry, placed
 from directrix.schema.build import build_control, build_model, build_records, entries_of
 from directrix.schema.messages import Source, explain, together
@@ -42,7 +43,9 @@ if TYPE_CHECKING:
     from directrix.discretisation import Discretisation
     from directrix.integrators import Formulation, Integrator
     from directrix.points import Recorder
+    from directrix.refinement import Refined
     from directrix.result import Result
+    from directrix.stepping import Adaptive
 
 __all__ = ["SCHEMA_ID", "Case", "json_schema", "load_case"]
 
@@ -80,12 +83,32 @@ class Case:
     records: tuple[Recorder, ...] = ()
     record_in: pathlib.Path | None = None
 
+    @property
+    def step(self) -> float | Adaptive:
+        """``dt`` of a dynamic case as ``simulate`` takes it. Raises ModelError."""
+        from directrix.stepping import Adaptive
+
+        do = self.analysis
+        assert isinstance(do, Dynamics)
+        return do.dt if do.adaptive is None else Adaptive(first=do.dt, **do.adaptive.model_dump(exclude_unset=True))
+
+    def adapted(self, tolerance: float) -> Case:
+        """The same case with steps as long as this error allows. Raises ModelError."""
+        if isinstance(self.analysis, Statics):
+            raise InputError("a static case has no time step", "leave --adaptive out", str(self.source))
+        given = self.analysis.adaptive or models.Adaptive()
+        table = given.model_copy(update={"tolerance": tolerance})
+        case = replace(self, analysis=self.analysis.model_copy(update={"adaptive": table}))
+        case.check()
+        return case
+
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         from directrix.diagnosis import examine, refuse
         from directrix.discretisation import discretise
         from directrix.dynamics import refuse_damping
         from directrix.statics import static_scheme
+        from directrix.stepping import stepping
 
         self.model.check()
         do = self.analysis
@@ -95,6 +118,7 @@ class Case:
             refuse(examine(disc, scheme))
             return disc
         refuse_damping(self.model, self._integrator(do))
+        stepping(self.step, 0.0, do.t_end, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
 
     def findings(self) -> tuple[Finding, ...]:
@@ -133,7 +157,7 @@ class Case:
         return simulate(
             self.model,
             do.t_end,
-            do.dt,
+            self.step,
             integrator=self._integrator(do),
             load_rule=do.load_rule,
             tolerance=do.tolerance,
@@ -146,6 +170,29 @@ class Case:
     def _recorders(self) -> list[Recorder]:
         folder = self.record_in
         return [] if folder is None else [replace(one, path=folder / one.file) for one in self.records]
+
+    def refine(self, what: str, levels: int = 3) -> Refined:
+        """What a finer mesh and shorter steps would change of a quantity; see ``dx.refine``. Raises ModelError."""
+        from directrix.refinement import refine
+
+        do = self.analysis
+        if isinstance(do, Statics):
+            steps = {} if do.control is not None else {"steps": do.steps}
+            more: dict[str, Any] = {
+                "control": self.control,
+                "formulation": self._formulation(do),
+                "tolerance": do.tolerance,
+                **steps,
+            }
+            return refine(self.model, what, levels=levels, **more)
+        if do.adaptive is not None:
+            raise InputError("steps that adapt cannot be halved", "leave adaptive out", str(self.source))
+        options: dict[str, Any] = {
+            "integrator": self._integrator(do),
+            "load_rule": do.load_rule,
+            "tolerance": do.tolerance,
+        }
+        return refine(self.model, what, levels=levels, t_end=do.t_end, dt=do.dt, **options)
 
     @staticmethod
     def _formulation(do: Statics) -> Formulation:

@@ -652,12 +652,27 @@ class Statics(Strict):
         return self
 
 
+class Adaptive(Strict):
+    """Steps as long as an error allows."""
+
+    tolerance: Tolerance = 1e-3
+    """Largest local error of a step, of positions over the size of the model and of rotations in radians."""
+    dt_min: Annotated[Positive, TIME] | None = None
+    """Shortest step; 1e-9 of the whole time unless given."""
+    dt_max: Annotated[Positive, TIME] | None = None
+    """Longest step; a tenth of the whole time unless given."""
+    save_at: Annotated[Positive, TIME] | None = None
+    """Steps end at the multiples of this interval, and those states are kept; every one of ``save_every`` otherwise."""
+
+
 class Dynamics(Strict):
     """Motion from t = 0 to t_end."""
 
     t_end: Annotated[Positive, TIME]
     dt: Annotated[Positive, TIME]
-    """Time step; ``t_end`` must be a whole number of them."""
+    """Time step; ``t_end`` must be a whole number of them. The first step that is tried, with ``adaptive``."""
+    adaptive: Adaptive | None = None
+    """Steps as long as an error allows, in place of equal ones."""
     integrator: Scheme = "energy-momentum"
     chi_stress: NotNegative | None = None
     """energy-dissipating: what a step takes from changes of strain; 0.5 unless given."""
@@ -693,7 +708,8 @@ class Dynamics(Strict):
     @model_validator(mode="after")
     def _whole_steps(self) -> Self:
         try:
-            step_count(0.0, self.t_end, self.dt)
+            if self.adaptive is None:
+                step_count(0.0, self.t_end, self.dt)
         except ModelError as error:
             raise refuse(error.what, error.fix, "dt") from None
         return self

@@ -180,7 +180,7 @@ def _write_result(root: h5py.Group, result: Result) -> None:
     }
     for name, value in texts.items():
         root.create_dataset(name, data=json.dumps(value, default=_plain))
-    for name in (*HISTORIES, "history", "joints", "density"):
+    for name in (*HISTORIES, "history", "joints", "density", "dt", "cuts"):
         _put(root, name, getattr(result, name))
     for key, named in (
         ("links", result.links),
@@ -248,6 +248,7 @@ def _read_result(root: Any) -> Result:
         **{name: root[name][()] for name in HISTORIES},
         links=_read_named(root, "links"),
         contacts=_read_named(root, "contacts"),
+        **({name: root[name][()] for name in ("dt", "cuts") if name in root}),
         history=root["history"][()] if "history" in root else np.zeros((0, 0, 12)),
         joints=root["joints"][()] if "joints" in root else np.zeros((0, 0, 6)),
         density=root["density"][()] if "density" in root else np.zeros((0, 0)),

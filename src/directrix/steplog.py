@@ -1,0 +1,50 @@
+"""What is known of every step of a run."""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+__all__ = ["Log"]
+
+
+class Log:
+    """The steps of a run, in little memory however many: iterations, lengths, cuts before each."""
+
+    def __init__(self) -> None:
+        self.iterations = array("i")
+        self.lengths, self.counts = array("d"), array("q")  # run lengths
+        self.cut: dict[int, int] = {}
+        self.rejected = self.failed = self.waiting = 0
+
+    def took(self, dt: float, iterations: list[int]) -> None:
+        """Book steps of one length, after the cuts since the last one."""
+        if not iterations:
+            return
+        if self.waiting:
+            self.cut[len(self.iterations)] = self.waiting
+            self.waiting = 0
+        self.iterations.extend(iterations)
+        if self.lengths and self.lengths[-1] == dt:
+            self.counts[-1] += len(iterations)
+        else:
+            self.lengths.append(dt)
+            self.counts.append(len(iterations))
+
+    def threw(self, *, rejected: bool) -> None:
+        """Book a step that was thrown away: its error was too large, or it could not be solved."""
+        self.waiting += 1
+        self.rejected += rejected
+        self.failed += not rejected
+
+    def arrays(self) -> tuple[Array, NDArray[np.int64]]:
+        """Length of every step of a motion (steps,), and how many were thrown away before it."""
+        dt = np.repeat(np.array(self.lengths), np.array(self.counts, np.int64))
+        cuts = np.zeros(len(dt), np.int64)
+        for k, count in self.cut.items():
+            cuts[k] = count
+        return dt, cuts
