@@ -27,7 +27,7 @@ from directrix.storage import load
 HERE = Path(__file__).parent
 COMMANDS = {
     "new", "convert", "export", "verify", "movie", "paper", "run", "check", "info", "plot", "view", "examples",
-    "schema", "doctor",
+    "schema", "doctor", "refine",
 }  # fmt: skip
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 SAFE = "-m", "directrix"
