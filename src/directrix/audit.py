@@ -114,11 +114,14 @@ class DynamicBooks:
             float(np.diag(rod.section.stiffness)[:3].max() * mesh.s[-1])
             for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         )
+        # what a rod at rest has by rounding: strains of 1e-15, over n equal steps √n times those of one
+        stiff = max((float(np.diag(rod.section.stiffness)[:3].max()) for rod in disc.model.rods), default=0.0)
+        self.rounded = 5e-15 / LIMIT * stiff
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
         self.taken, self.done = np.zeros(len(disc.sources.names)), np.zeros(len(disc.sources.names))
-        self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
+        self.turnover = np.zeros(4)  # Σ|work|, Σ|impulse|, Σ|angular impulse|, Σdt²
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
         self.waiting: list[tuple[Array, Array, Array, Array]] = []
@@ -163,7 +166,7 @@ class DynamicBooks:
         work = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1] + flow[:, 9])
         dissipated = self.settled[1] + np.cumsum(flow[:, 8])
         impulse = self.impulse + np.cumsum(dt * flow[:, 2:8], axis=0)
-        self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0))
+        self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0), (dt * dt).sum())
         energy = totals[:, 0] + totals[:, 1]
         terms = (totals[:, 0], totals[:, 1], np.abs(work), np.abs(dissipated))
         self.term = max(self.term, *(float(term.max()) for term in terms))
@@ -193,7 +196,11 @@ class DynamicBooks:
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
         self._settle()
-        momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
+        momentum = max(
+            float(np.sqrt(2.0 * self.mass * self.kinetic)),
+            self.turnover[1],
+            self.rounded * float(np.sqrt(self.turnover[3])),
+        )
         scale = (
             max(self.term, self.least),
             momentum,
