@@ -55,7 +55,7 @@ CASES = {
 def both(model: dx.Model, monkeypatch: pytest.MonkeyPatch, **options: object) -> tuple[dx.Result, dx.Result]:
     fast = dx.simulate(model, **options)
     with monkeypatch.context() as patched:
-        patched.setattr(dynamics, "fast_for", lambda newton: None)
+        patched.setattr(dynamics, "fast_for", lambda *_: None)
         return fast, dx.simulate(model, **options)
 
 
