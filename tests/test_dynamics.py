@@ -85,8 +85,8 @@ def test_going_on_from_a_result_is_the_same_motion() -> None:
     np.testing.assert_allclose(rest.v[-1], whole.v[-1], rtol=0, atol=1e-11)
 
 
-def test_a_hundred_thousand_steps() -> None:
-    steps = 100_000
+@pytest.mark.parametrize("steps", [10_000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_many_steps(steps: int) -> None:
     result = dx.simulate(flying(), t_end=steps * 0.05, dt=0.05, save_every=1000)
     assert result.success and len(result.iterations) == steps
     scale = np.linalg.norm(result.momentum.linear[0])
