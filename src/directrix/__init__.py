@@ -25,7 +25,9 @@ if TYPE_CHECKING:
         Newmark,
         SimoTarnowDoblare,
     )
+    from directrix.keeping import Folder
     from directrix.model import Model
+    from directrix.parts import Keep
     from directrix.result import Result, Status, TurningPoint
     from directrix.section import Section
     from directrix.stability import BucklingLoads, Modes, buckling, modes
@@ -46,9 +48,11 @@ __all__ = [
     "EnergyDissipating",
     "EnergyMomentum",
     "Ensemble",
+    "Folder",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "InputError",
+    "Keep",
     "Midpoint",
     "Model",
     "ModelError",
@@ -105,7 +109,9 @@ _HOME = {
         "Newmark",
         "SimoTarnowDoblare",
     ),
+    "keeping": ("Folder",),
     "model": ("Model",),
+    "parts": ("Keep",),
     "result": ("Result", "Status", "TurningPoint"),
     "section": ("Section",),
     "stability": ("BucklingLoads", "Modes", "buckling", "modes"),

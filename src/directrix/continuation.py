@@ -13,6 +13,7 @@ from directrix.controls import ArcLength
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.family import Family, made
+from directrix.keeping import Keeper
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
@@ -91,7 +92,7 @@ def continuation(
     here = replace(start, t=start.t[-1:], load_factor=np.array([begin]), r=start.r[-1:], R=start.R[-1:])
     status = walk.begin(x, here)
     try:
-        status = status or walk.go(reporting(progress))
+        status = status or walk.go(reporting(progress), Keeper(None, recorder, ""))
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at {walk.factor:.6g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import os
+from typing import Any, Literal
 
 from directrix.audit import DynamicBooks
 from directrix.checks import choice, number, reporting, shown, step_count, whole
@@ -14,8 +15,10 @@ from directrix.fast import fast_for
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
+from directrix.keeping import Folder, Keeper, RunFolder, fingerprint
 from directrix.model import Model
 from directrix.newton import Newton, Settings
+from directrix.parts import Keep, Parts
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
 from directrix.scheme import Rates
@@ -34,6 +37,8 @@ def simulate(
     load_rule: Literal["midpoint", "average"] = "midpoint",
     start: Result | None = None,
     save_every: int = 1,
+    keep: Keep | None = None,
+    folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
@@ -58,6 +63,11 @@ def simulate(
         Go on from the last instant of this result, at its time if it is dynamic and at t = 0 if static.
     save_every
         Keep every so many steps; the last one is always kept.
+    keep
+        Which rods, nodes and fields: ``dx.Keep(…)``; all unless given.
+    folder
+        Where the run is kept while it goes on: a path, or ``dx.Folder(path, resume=True)`` to go on with a run that was
+        killed or interrupted, to the same digits. The result is written there in the end.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
     progress
@@ -92,7 +102,7 @@ def simulate(
     if ends and not has_history(start, scheme):
         newton.accelerate(x, external)
     acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic")
+    recorder = Recorder(disc, "dynamic", Parts(disc.mesh, keep))
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books, dt)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
@@ -101,9 +111,38 @@ def simulate(
     unsaved = None
     fast = fast_for(newton)
     k = saved = 0
+    settings = {
+        "t0": t0, "dt": dt, "integrator": integrator, "load_rule": load_rule, "tolerance": tolerance,
+        "save_every": save_every, "keep": keep, "x": x,
+    }  # fmt: skip
+    keeper = Keeper(folder, recorder, fingerprint(disc, scheme, settings, (t0, t0 + dt)))
+
+    def memory() -> dict[str, Any]:
+        return {
+            "k": k, "saved": saved, "x": x, "acting": acting, "newton": newton.remember(), "ledger": ledger.remember(),
+            "fast": None if fast is None else fast.remember(),
+        }  # fmt: skip
+
+    if keeper.memory is not None:
+        past = keeper.memory
+        k, saved, x, acting = past["k"], past["saved"], past["x"], past["acting"]
+        books = newton.recall(past["newton"])
+        ledger.recall(past["ledger"])
+        if fast is not None:
+            fast.recall(past["fast"])
+        before = t0 + k * dt
+        if k > steps:
+            raise ModelError(f"the run has reached t = {before:g} already", "give a later end", "t_end=")
+        unsaved = (newton.positions(x), x.copy()) if saved < k else None
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
+        keeper.listen()
         while k < steps:
+            if keeper.due(k):
+                keeper.keep(k, before, memory())
+                if keeper.stopping:
+                    status = keeper.interrupted(f"t = {before:g}")
+                    break
             before, t = t0 + k * dt, t0 + (k + 1) * dt
             if not steady:
                 if ends:
@@ -114,12 +153,13 @@ def simulate(
                     external = 0.5 * (disc.external(before) + disc.external(t))
             if fast is not None:
                 alone = progress is not None or not steady
-                taken = fast.take(x, external, 1 if alone else min(steps - k, save_every - k % save_every), ledger)
+                most = 1 if alone else min(steps - k, save_every - k % save_every, keeper.room(k))
+                taken = fast.take(x, external, most, ledger, k)
                 if taken:
                     k += len(taken)
                     recorder.iterations += taken
                     before = t0 + k * dt
-                    if k % save_every == 0 or k == steps:
+                    if k % save_every == 0:
                         books = fast.books(x)
                         recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
                         saved = k
@@ -149,22 +189,26 @@ def simulate(
                 acting = books.applied.copy()
             ledger.add(books)
             k += 1
-            if k % save_every == 0 or k == steps:
+            if k % save_every == 0:
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
                 unsaved, saved = None, k
             else:  # for a run that ends on the way: a step that fails leaves x somewhere
                 unsaved = newton.positions(x), x.copy()
             before = t
             report(k / steps, _line(t, float(books.totals[0] + books.totals[1]), outcome.iterations))
+        else:
+            keeper.keep(k, before, memory(), done=True)
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken
             taken = fast.settle(ledger)
             k += len(taken)
             recorder.iterations += taken
             before = t0 + k * dt
-        status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
+        status = keeper.interrupted(f"t = {before:g}")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
+    finally:
+        keeper.hush()
     if fast is not None:
         fast.close(ledger)
         if fast.inside and saved < k:
@@ -177,7 +221,7 @@ def simulate(
         "load_rule": load_rule, "tolerance": tolerance, "steps": len(recorder.iterations),
         "element": repr(scheme.element),
     }  # fmt: skip
-    result = recorder.result(status, ledger.audit(), info)
+    result = keeper.finish(recorder.result(status, ledger.audit(), info, keeper.earlier()))
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from directrix.formulations.contact import SOFTENING, ObstacleElement, PairEleme
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
+from directrix.keeping.memory import recall, remember
 from directrix.linear.condensed import Condensed
 from directrix.result import Status
 from directrix.scheme import Scheme
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 __all__ = ["Books", "Newton", "Outcome", "Settings"]
+
+CARRIED = ("applied", "reaction", "joints", "flow", "ground", "taken", "done", "scale")
+"""What a step leaves in the workspace for its books and for the next one."""
 
 
 @dataclass(frozen=True)
@@ -370,9 +374,34 @@ class Newton:
         self.origin += shift
         return shift
 
+    def remember(self) -> dict[str, Any]:
+        """All that the next step depends on beside its state."""
+        return {
+            "own": remember(self, "origin", "totals", "strains"),
+            "pairs": None if self.pairs is None else list(self.pairs),
+            "usable": None if self._sparse is None else self._sparse.usable,
+            "driven": self.driver.remember(),
+            "work": remember(self.work, *CARRIED),
+        }
+
+    def recall(self, memory: dict[str, Any]) -> Books:
+        """Go on from what :meth:`remember` gave; the books of the last step."""
+        if memory["pairs"] is not None:
+            self._bring(tuple(memory["pairs"]))
+        self._sparse = None
+        if memory["usable"] is not None:
+            self.sparse.usable = memory["usable"]
+        recall(self, memory["own"])
+        recall(self.work, memory["work"])
+        self.driver.recall(memory["driven"])
+        return self._books()
+
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
+        return self._books()
+
+    def _books(self) -> Books:
         work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
         applied, reaction = work.applied[:n], work.reaction[:n]
         return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)

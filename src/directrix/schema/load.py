@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from directrix.discretisation import Discretisation
     from directrix.findings import Finding
     from directrix.integrators import Formulation, Integrator
+    from directrix.keeping import Folder, RunFolder
     from directrix.model import Model
     from directrix.result import Result
 
@@ -91,8 +92,13 @@ class Case:
         """What drives a static path; None is load control. Raises ModelError."""
         return build_control(self.analysis.control) if isinstance(self.analysis, Statics) else None
 
-    def run(self, progress: Callable[[float, str], None] | None = None) -> Result:
-        """Solve it. Raises ModelError; a run that fails on the way is a Result with ``success`` False."""
+    def run(
+        self,
+        progress: Callable[[float, str], None] | None = None,
+        folder: Folder | RunFolder | str | PathLike[str] | None = None,
+    ) -> Result:
+        """Solve it, in a ``folder`` if there is one. Raises ModelError; a run that fails on the way is a Result with
+        ``success`` False."""
         from directrix.dynamics import simulate
         from directrix.statics import solve_static
 
@@ -105,6 +111,7 @@ class Case:
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
                 save_every=save_every,
+                folder=folder,
                 progress=progress,
             )
         return simulate(
@@ -115,6 +122,7 @@ class Case:
             load_rule=do.load_rule,
             tolerance=do.tolerance,
             save_every=save_every,
+            folder=folder,
             progress=progress,
         )
 
