@@ -21,6 +21,7 @@ import typer
 from directrix.errors import InputError, ModelError
 
 if TYPE_CHECKING:
+    from directrix.keeping import RunFolder
     from directrix.result import Result
     from directrix.schema import Case
 
@@ -42,6 +43,9 @@ CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, .to
 ResultFile = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.", show_default=False)
 ]
+
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")]
 
 
 class Scheme(StrEnum):
@@ -158,40 +162,78 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
+    quiet: Quiet = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Throw away an unfinished run in the folder.")] = False,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
-    from rich.console import Console
-
-    from directrix.console import live, show
-    from directrix.runs import RunFolder, can_draw, exit_code
+    from directrix.keeping import RunFolder, Source
     from directrix.schema import load_case
 
     case = load_case(case_file)
     rival = case.stepped_by(beside.value) if beside else None
-    folder = RunFolder.claim(out or case_file.with_suffix(".run"))
+    folder = RunFolder.claim(
+        case.kept_in(out or case_file.with_suffix(".run"), overwrite=overwrite),
+        Source(case.title, case_file, case.raw, case.sha256), command=True,
+    )  # fmt: skip
+    return _solve(case, rival, folder, f"{case.title}  ({case_file})", no_view, quiet)
+
+
+@app.command()
+@_guarded
+def resume(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.", show_default=False)],
+    until: Annotated[float | None, typer.Option(metavar="T", help="Go on to this time, also after the end.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Go on though the input has changed.")] = False,
+    no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    quiet: Quiet = False,
+) -> int:
+    """Go on with a run that was killed or interrupted, to the same digits; --until goes on with one that has ended."""
+    from directrix.keeping import RunFolder
+    from directrix.keeping.resuming import frozen
+    from directrix.schema import load_case
+
+    found = frozen(run_folder, force=force, until=until)
+    for line in found.warnings:
+        _say(f"warning: {line}")
+    case = load_case(found.path, found.title)
+    case = case if found.until is None else case.until(found.until)
+    folder = RunFolder.claim(case.kept_in(run_folder, resume=True, force=force), command=True)
+    folder.more = {} if found.until is None else {"until": found.until}
+    return _solve(case, None, folder, f"{case.title}  ({run_folder})", no_view, quiet)
+
+
+def _solve(case: Case, rival: Case | None, folder: RunFolder, heading: str, no_view: bool, quiet: bool) -> int:
+    """Run a case in its folder, and its rival beside it; show and draw what came out."""
+    from rich.console import Console
+
+    from directrix.console import live, show
+    from directrix.runs import can_draw, draw_all, exit_code, written
+
     console = Console(quiet=quiet, highlight=False)
 
-    def solve(case: Case, heading: str) -> Result:
+    def solve(case: Case, heading: str, folder: RunFolder | None = None) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         with live(console) as progress:
-            return case.run(progress)
+            return case.run(progress, folder)
 
-    result = solve(case, f"{case.title}  ({case_file})")
-    # kept before anything is shown: what was computed is not lost to a fault further on
-    written = list(folder.write(case, result))
+    try:
+        # written before anything is shown: what was computed is not lost to a fault further on
+        result = solve(case, heading, folder)
+    finally:
+        folder.close()
     show(console, result)
     both: dict[str, Result] = {}
-    if rival is not None:
+    if rival is not None and result.status.code != "interrupted":
         both = {case.scheme: result, rival.scheme: solve(rival, f"\nThe same under {rival.scheme}")}
         show(console, both[rival.scheme])
-    for path in chain(written, () if no_view else folder.draw(result, both)):
+    no_view = no_view or result.status.code == "interrupted"
+    for path in chain(written(folder.path), () if no_view else draw_all(folder.path, result, both)):
         console.print(f"wrote {path}", markup=False, soft_wrap=True)
     if not no_view and not can_draw():
         console.print('no pictures: matplotlib is missing; pip install "directrix[plot]"', markup=False)
     code = exit_code(result)
     if code and quiet:
-        _say(f"{case_file}: {result.status} audit {result.audit.verdict}")
+        _say(f"{folder.path}: {result.status} audit {result.audit.verdict}")
     return code
 
 
@@ -208,9 +250,18 @@ def check(case_file: CaseFile) -> None:
 @app.command()
 @_guarded
 def info(result_file: ResultFile) -> None:
-    """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint."""
+    """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint.
+
+    Of a run that is on, or has not finished, print how far it is and how to go on."""
     import numpy as np
 
+    from directrix.keeping.folder import about, summary_of, unfinished
+
+    said = summary_of(result_file) if result_file.is_dir() else None
+    if said is not None and unfinished(said):
+        for line in about(result_file):
+            print(line)
+        return
     result, path = _load(result_file)
     print(result)
     print(f"  file {path}")
@@ -367,9 +418,16 @@ def paper(
 
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
+    from directrix.keeping.folder import how_far, summary_of
+    from directrix.keeping.store import resume_command
     from directrix.runs import RESULT
     from directrix.storage import load
 
+    said = summary_of(path) if path.is_dir() else None
+    if said is not None and said["status"]["code"] == "running":  # a result that is there is that of an earlier run
+        raise InputError(
+            f"holds a run that has not finished: {how_far(path, said)}", resume_command(path), str(path)
+        )
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
         raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))

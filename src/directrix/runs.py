@@ -51,6 +51,11 @@ def draw_all(path: Path, result: Result, beside: Mapping[str, Result]) -> Iterat
             yield Path(compare_energy_momentum(beside, path / BESIDE))
 
 
+def written(path: Path) -> Iterator[Path]:
+    """The files that every run leaves in its folder ``path``."""
+    yield from (path / name for name in (RESULT, SUMMARY, MONITOR))
+
+
 def can_draw() -> bool:
     """True when matplotlib is installed."""
     return find_spec("matplotlib") is not None

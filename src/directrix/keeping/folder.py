@@ -94,6 +94,8 @@ class RunFolder:
     """The command line runs it: a second signal ends the process."""
     said: dict[str, Any] = field(default_factory=dict[str, Any])
     """What run.json says."""
+    more: dict[str, Any] = field(default_factory=dict[str, Any])
+    """What run.json is to say beside."""
     kind: str = "dynamic"
     lock: int = -1
     first: float | None = None
@@ -160,7 +162,7 @@ class RunFolder:
                 "code": "running", "sentence": "has begun.", "success": False, "complete": False, "exit_code": None,
             },
             "input": copy, "fingerprint": fingerprint, "environment": environment(), "pid": os.getpid(),
-            "host": socket.gethostname(), "progress": {"steps": 0, "at": None},
+            "host": socket.gethostname(), "progress": {"steps": 0, "at": None}, **self.more,
         }  # fmt: skip
         for name in INPUTS:
             if not (self.options.resume and name == copy.get("copy")):
@@ -179,7 +181,7 @@ class RunFolder:
             "code": "running", "sentence": f"goes on from {at:.9g}.", "success": False, "complete": False,
             "exit_code": None,
         }  # fmt: skip
-        self.said |= {"environment": environment(), "pid": os.getpid(), "host": socket.gethostname()}
+        self.said |= {"environment": environment(), "pid": os.getpid(), "host": socket.gethostname(), **self.more}
         self._say()
         self._put(runs.MONITOR, b"")
         for part in self.store.segments(segments):
@@ -209,7 +211,7 @@ class RunFolder:
                 (self.path / name).unlink(missing_ok=True)
         saved = Path(result.save(self.path / runs.RESULT))
         self._put(runs.MONITOR, runs.monitor(result))
-        kept = ("title", "input", "fingerprint", "environment", "progress")
+        kept = ("title", "input", "fingerprint", "environment", "progress", "until")
         self.said = {**runs.summary(result, saved), **{k: self.said[k] for k in kept if k in self.said}}
         self.said["title"] = self.said["title"] or result.name
         self._say()

@@ -55,6 +55,7 @@ class Case:
     output : the ``[output]`` table
     source : the file
     sha256 : of the file's bytes
+    raw : these bytes
     """
 
     title: str
@@ -64,6 +65,7 @@ class Case:
     output: Output
     source: Path
     sha256: str
+    raw: bytes = b""
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
@@ -81,6 +83,19 @@ class Case:
             return disc
         refuse_damping(self.model, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
+
+    def kept_in(self, path: Path, **options: bool) -> Folder:
+        """A folder to run it in, with checkpoints as the case asks for them."""
+        from directrix.keeping import Folder
+
+        out = self.output
+        return Folder(path, seconds=out.checkpoint_seconds, steps=out.checkpoint_steps, **options)
+
+    def until(self, t_end: float) -> Case:
+        """The same case with another end. Raises InputError for a static one."""
+        if isinstance(self.analysis, Statics):
+            raise InputError("a static case has no end in time", "leave --until out", str(self.source))
+        return replace(self, analysis=self.analysis.model_copy(update={"t_end": checks.number(t_end, "--until")}))
 
     def findings(self) -> tuple[Finding, ...]:
         """What may be wrong with the case, though it can be run. Raises ModelError."""
@@ -111,6 +126,7 @@ class Case:
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
                 save_every=save_every,
+                keep=self.output.keeps,
                 folder=folder,
                 progress=progress,
             )
@@ -122,6 +138,7 @@ class Case:
             load_rule=do.load_rule,
             tolerance=do.tolerance,
             save_every=save_every,
+            keep=self.output.keeps,
             folder=folder,
             progress=progress,
         )
@@ -155,8 +172,8 @@ class Case:
         return replace(self, analysis=self.analysis.model_copy(update={**own, "integrator": integrator}))
 
 
-def load_case(path: str | PathLike[str]) -> Case:
-    """Read a TOML or JSON case file.
+def load_case(path: str | PathLike[str], title: str = "") -> Case:
+    """Read a TOML or JSON case file; one that gives itself no title has ``title``, or the name of the file.
 
     Raises InputError, with file, line and key, for anything that cannot be right in the file or the model.
     """
@@ -167,11 +184,11 @@ def load_case(path: str | PathLike[str]) -> Case:
         tables = CaseFile.model_validate(source.data)
     except ValidationError as error:
         raise explain(error.errors(include_url=False), source, CaseFile) from None
-    title = tables.title or file.stem
+    title = tables.title or title or file.stem
     model = build_model(tables, title, source)
     analysis = tables.statics or tables.dynamics
     assert analysis is not None  # one of them, says the schema
-    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest())
+    case = Case(title, tables.description, model, analysis, tables.output, file, hashlib.sha256(raw).hexdigest(), raw)
     try:
         disc = case.check()
     except ModelError as error:
