@@ -133,7 +133,7 @@ def simulate(
         before = t0 + k * dt
         if k > steps:
             raise ModelError(f"the run has reached t = {before:g} already", "give a later end", "t_end=")
-        unsaved = (newton.positions(x), x.copy()) if saved < k else None
+        unsaved = (newton.positions(x), x.copy()) if saved < k and not (fast is not None and fast.inside) else None
     status = Status("done", f"reached t = {t_end:g} in {steps} steps.")
     try:
         keeper.listen()
@@ -162,7 +162,7 @@ def simulate(
                     if k % save_every == 0:
                         books = fast.books(x)
                         recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
-                        saved = k
+                        unsaved, saved = None, k
                     report(k / steps, _line(before, fast.energy, taken[-1]))
                     continue
                 books = fast.books(x)
