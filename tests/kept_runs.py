@@ -29,15 +29,15 @@ Solve = Callable[..., dx.Result]
 """``solve(folder=…, save_every=…, progress=…)``."""
 
 
-def chain(elements: int = 48) -> dx.Model:
+def chain(elements: int = 48, order: int = 1) -> dx.Model:
     """Long enough for the lanes; flies, so that its origin goes along."""
     model = dx.Model(name="chain").rod(
-        dx.line((0, 0, 0), (1, 0, 0)), RUBBER, name="rod", ends=("A", "B"), elements=elements, order=1
+        dx.line((0, 0, 0), (1, 0, 0)), RUBBER, name="rod", ends=("A", "B"), elements=elements, order=order
     )
     return model.velocity("A", (0, 0, -1)).velocity("B", (0, 0.5, 1), (3, 0, 1)).rigid_velocity((20, 0, 5), (0, 0, 0))
 
 
-def frame() -> dx.Model:
+def frame(damping: float = 0.1) -> dx.Model:
     """Branches and closes: three joints, a body, a moving support, a load that changes."""
     line, section = dx.line, test_joints.SECTION
     return (
@@ -49,7 +49,7 @@ def frame() -> dx.Model:
         .clamp("A")
         .prescribe("E", displacement=dx.harmonic((0.0, 0.1, 0.0), 1.0))
         .spherical("B", "C")
-        .hinge("D", "F", axis=(0, 1, 0), stiffness=5.0, damping=0.1)
+        .hinge("D", "F", axis=(0, 1, 0), stiffness=5.0, damping=damping)
         .point_mass("G", 1.0)
         .gravity((0, 0, -9.81))
         .force("G", dx.ramp((0.0, 3.0, 1.0), 0.0, 0.2))
@@ -76,6 +76,11 @@ def bent() -> dx.Model:
     return model.clamp("A").force("B", (0, 0, 2.0)).moment("B", (0.02, 0, 0))
 
 
+def hinged() -> dx.Model:
+    """Two clamped rods and a sprung hinge between them."""
+    return test_joints.joined("hinge", stiffness=3.0).clamp("A").clamp("D").force("B", (0, 0, 20.0))
+
+
 def simulated(model: dx.Model, dt: float, steps: int, **options: Any) -> Solve:
     return partial(dx.simulate, model, steps * dt, dt, **options)
 
@@ -100,14 +105,13 @@ def every() -> dict[str, Solve]:
         model = test_joints.pushed(test_joints.joined(kind))
         found[f"a {kind} joint"] = simulated(model, 0.01, 24, save_every=5)
     for name in ("midpoint", "generalized-alpha", "energy-dissipating"):
-        found[f"joints under {name}"] = simulated(frame(), 0.01, 24, integrator=INTEGRATORS[name])
+        found[f"joints under {name}"] = simulated(frame(0.0), 0.01, 24, integrator=INTEGRATORS[name])
     found |= {
         "a machine": simulated(test_attachments.machine(damping=0.1), 0.01, 30, save_every=4),
         "all that drives": simulated(test_driven.soft_arm(test_driven.DAMPED, 2), 0.02, 30, save_every=4),
         "loads as means": simulated(frame(), 0.01, 24, load_rule="average"),
         "bounces": simulated(test_contact.bouncing(2, friction=0.3, slip_speed=0.01), 2e-3, 60, save_every=9),
-        "quadratic lanes": simulated(chain(20).rod(
-            dx.line((1, 0, 0), (2, 0, 0)), RUBBER, ends=("B", "C"), elements=30, order=1), 0.01, 150, save_every=11),
+        "quadratic lanes": simulated(chain(44, 2), 0.01, 150, save_every=11),
         "kept in part": simulated(
             frame(), 0.01, 24, keep=dx.Keep(("G", "top"), ("velocity",)), save_every=3
         ),
@@ -116,7 +120,7 @@ def every() -> dict[str, Solve]:
         ),
         "Simo and Vu-Quoc": partial(dx.solve_static, bent(), 12, formulation=dx.SimoVuQuoc(), save_every=5),
         "Crisfield and Jelenic": partial(dx.solve_static, bent(), 12, formulation=dx.CrisfieldJelenic()),
-        "joints at rest": partial(dx.solve_static, test_joints.pushed(test_joints.joined("hinge")).clamp("D"), 12),
+        "joints at rest": partial(dx.solve_static, hinged(), 12, save_every=5),
         "stability": partial(dx.solve_static, bent().force("A", (0, 0, 0)), 12, rotation="cayley"),
         "cut": partial(dx.solve_static, bent().force("B", (0, 0, 400.0)), 2),
         "the other branch": partial(

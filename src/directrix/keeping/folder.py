@@ -164,13 +164,13 @@ class RunFolder:
             "input": copy, "fingerprint": fingerprint, "environment": environment(), "pid": os.getpid(),
             "host": socket.gethostname(), "progress": {"steps": 0, "at": None}, **self.more,
         }  # fmt: skip
+        self._say()  # first: it makes the folder ours
         for name in INPUTS:
             if not (self.options.resume and name == copy.get("copy")):
                 with suppress(OSError):
                     (self.path / name).unlink(missing_ok=True)
         if source is not None:
             self._put(source.copy, source.raw)
-        self._say()
         self._put(LOG, b"")
         self._put(runs.MONITOR, b"")
         self.log("started")
@@ -232,6 +232,9 @@ class RunFolder:
         if self.lock >= 0:
             os.close(self.lock)
             self.lock = -1
+
+    def __del__(self) -> None:
+        self.close()  # an error of ours leaves a run that can be gone on with, in this process too
 
     def _lock(self) -> None:
         try:

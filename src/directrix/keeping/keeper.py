@@ -8,6 +8,8 @@ import signal
 import threading
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +43,8 @@ class Keeper:
         self.serial = self.sealed = 0
         self.last, self.at, self.pause = time.monotonic(), -1, 0.0
         self.memory: dict[str, Any] | None = None
+        self.refused: InputError | None = None
+        self.checkpoint: dict[str, Any] = {"done": False}
         self.handlers: dict[signal.Signals, Any] = {}
         if folder is None:
             self.folder, self.options = None, Folder(".")
@@ -50,17 +54,19 @@ class Keeper:
         else:
             self.options = folder if isinstance(folder, Folder) else Folder(folder)
             self.folder = RunFolder.claim(self.options)
-        self._begin()
+        try:
+            self._begin(self.folder)
+        except BaseException:
+            self.folder.close()
+            raise
 
-    def _begin(self) -> None:
-        folder = self.folder
-        assert folder is not None
+    def _begin(self, folder: RunFolder) -> None:
         found = folder.store.newest() if self.options.resume else None
         folder.kind = self.recorder.kind
         if found is None:
-            folder.store.clear()
-            folder.store.make()
+            folder.store.clear()  # of an earlier run, before anything says that this one is on
             folder.begin(self.print)
+            folder.store.make()
             return
         if found["fingerprint"] != self.print and not self.options.force:
             raise InputError(
@@ -97,18 +103,25 @@ class Keeper:
         """Seal what was recorded and make a checkpoint. Raises InputError when that cannot be written."""
         if self.folder is None:
             return
-        began, store, rows = time.monotonic(), self.folder.store, self.recorder.take()
+        try:
+            self._keep(self.folder, steps, t, memory, done)
+        except InputError as error:
+            self.refused = error
+            raise
+
+    def _keep(self, folder: RunFolder, steps: int, t: float, memory: Mapping[str, Any], done: bool) -> None:
+        began, store, rows = time.monotonic(), folder.store, self.recorder.take()
         if rows["rows"] or len(rows["iterations"]):
             store.seal(self.sealed, rows)
             self.sealed += 1
-        self.recorder.forget()
+            self.recorder.forget()
         self.serial += 1
-        self._checkpoint = {
+        self.checkpoint = {
             "fingerprint": self.print, "segments": self.sealed, "in_result": False, "rows": self.recorder.count,
             "steps": len(self.recorder.iterations), "at": t, "done": done, "memory": memory,
         }  # fmt: skip
-        store.keep(self.serial, self._checkpoint)
-        self.folder.checkpointed(rows, steps, t)
+        store.keep(self.serial, self.checkpoint)
+        folder.checkpointed(rows, steps, t)
         self.at, self.last = steps, time.monotonic()
         self.pause = COST * (self.last - began)
 
@@ -121,13 +134,19 @@ class Keeper:
         folder = self.folder
         if folder is None:
             return result
-        folder.write(result)
-        if result.success and self.sealed and self._checkpoint["done"]:
-            self.serial += 1
-            folder.store.keep(self.serial, {**self._checkpoint, "segments": 0, "in_result": True})
-            folder.store.keep(self.serial + 1, {**self._checkpoint, "segments": 0, "in_result": True})
-            folder.store.forget(0)
-        folder.close()
+        try:
+            if self.refused is not None:
+                status = Status("interrupted", f"interrupted: {self.refused.where} {self.refused.what}.", self.refused.fix)
+                result = replace(result, status=status)
+            folder.write(result)
+            if result.success and self.sealed and self.checkpoint["done"]:
+                with suppress(InputError):  # then there is a segment too many, and nothing is lost
+                    for _ in range(2):
+                        self.serial += 1
+                        folder.store.keep(self.serial, {**self.checkpoint, "segments": 0, "in_result": True})
+                    folder.store.forget(0)
+        finally:
+            folder.close()
         return result
 
     def interrupted(self, at: str) -> Status:

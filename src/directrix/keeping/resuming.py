@@ -43,6 +43,8 @@ def frozen(folder: Path, *, force: bool = False, until: float | None = None) -> 
         raise InputError("holds a run that has finished", "name a later end with --until", where)
     copy, original = folder / of["copy"], Path(of["path"])
     warnings: list[str] = []
+    if not copy.exists() and _sha256(original) == of["sha256"]:  # killed before the copy was made
+        copy = original
     for path, what in ((copy, "the copy of the case in the folder"), (original, "the case")):
         now = _sha256(path)
         if now is None and path is copy:
