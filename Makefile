@@ -9,12 +9,13 @@ RUN := $(VENV)/bin/python
 INSTALL := $(RUN) -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long lint types bench
+.PHONY: help demo test test-long test-petsc lint types bench
 
 help:
 	@echo "make demo       run the main example: audit, picture, animation, result file, in $(OUT)/"
 	@echo "make test       run the tests"
 	@echo "make test-long  run the long checks (minutes)"
+	@echo "make test-petsc run the checks of PETSc on two processes (Debian's python3-petsc4py and openmpi-bin)"
 	@echo "make lint       ruff: rules and format"
 	@echo "make types      pyright, strict"
 	@echo "make bench      print the speed of this machine"
@@ -27,6 +28,14 @@ test: $(VENV)/.dev
 
 test-long: $(VENV)/.dev
 	@$(RUN) -m pytest -m slow
+
+# Debian's PETSc goes with the system's Python and a NumPy before 2
+PETSC_DIR ?= $(lastword $(wildcard /usr/lib/petscdir/petsc*/*-real))
+test-petsc:
+	@test -d .venv-petsc || { /usr/bin/python3 -m venv --system-site-packages .venv-petsc && \
+		.venv-petsc/bin/pip install --quiet --disable-pip-version-check "numpy<2" pytest hypothesis --editable .; }
+	@PETSC_DIR=$(PETSC_DIR) OMP_NUM_THREADS=1 mpirun --allow-run-as-root --oversubscribe -n 2 \
+		.venv-petsc/bin/python -m pytest -p no:cacheprovider -m petsc tests/test_petsc.py
 
 lint: $(VENV)/.dev
 	@$(RUN) -m ruff check

@@ -55,7 +55,10 @@ def pretend(monkeypatch: pytest.MonkeyPatch, end: Result | BaseException) -> Non
     """Let every case end like this at once."""
 
     def fake(
-        self: Case, progress: Callable[[float, str], None] | None = None, folder: RunFolder | None = None
+        self: Case,
+        progress: Callable[[float, str], None] | None = None,
+        threads: int = 1,
+        folder: RunFolder | None = None,
     ) -> Result:
         if isinstance(end, BaseException):
             raise end

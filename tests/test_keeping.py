@@ -99,7 +99,10 @@ def killed_often(name: str, kills: int, folder: Path) -> int:
         run = folder / f"round {rounds}"
         while hits < kills and kill(solve, run, random.uniform(0.05, 0.6) * lasts):
             hits += 1
-        if not (run / "result.vtkhdf").exists() or json.loads((run / "run.json").read_text())["status"]["code"] == "running":
+        if (
+            not (run / "result.vtkhdf").exists()
+            or json.loads((run / "run.json").read_text())["status"]["code"] == "running"
+        ):
             solve(folder=dx.Folder(run, resume=(run / "run.json").exists()))
         assert (run / "result.vtkhdf").read_bytes() == whole
         assert rounds <= 4 * kills, "no kill meets the run"

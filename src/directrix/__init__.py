@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         SimoTarnowDoblare,
     )
     from directrix.keeping import Folder
+    from directrix.linear.petsc import Petsc
     from directrix.model import Model
     from directrix.parts import Keep
     from directrix.result import Result, Status, TurningPoint
@@ -58,6 +59,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "Newmark",
+    "Petsc",
     "Plane",
     "Result",
     "Section",
@@ -110,6 +112,7 @@ _HOME = {
         "SimoTarnowDoblare",
     ),
     "keeping": ("Folder",),
+    "linear.petsc": ("Petsc",),
     "model": ("Model",),
     "parts": ("Keep",),
     "result": ("Result", "Status", "TurningPoint"),

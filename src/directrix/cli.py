@@ -45,6 +45,9 @@ ResultFile = Annotated[
 ]
 
 
+Threads = Annotated[
+    int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")]
 
 
@@ -162,6 +165,7 @@ def run(
     ] = None,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
     beside: Annotated[Scheme | None, typer.Option(help="Run this scheme too and draw both in one picture.")] = None,
+    threads: Threads = 1,
     quiet: Quiet = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Throw away an unfinished run in the folder.")] = False,
 ) -> int:
@@ -175,7 +179,7 @@ def run(
         case.kept_in(out or case_file.with_suffix(".run"), overwrite=overwrite),
         Source(case.title, case_file, case.raw, case.sha256), command=True,
     )  # fmt: skip
-    return _solve(case, rival, folder, f"{case.title}  ({case_file})", no_view, quiet)
+    return _solve(case, rival, folder, f"{case.title}  ({case_file})", no_view, threads, quiet)
 
 
 @app.command()
@@ -185,6 +189,7 @@ def resume(
     until: Annotated[float | None, typer.Option(metavar="T", help="Go on to this time, also after the end.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Go on though the input has changed.")] = False,
     no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    threads: Threads = 1,
     quiet: Quiet = False,
 ) -> int:
     """Go on with a run that was killed or interrupted, to the same digits; --until goes on with one that has ended."""
@@ -199,10 +204,12 @@ def resume(
     case = case if found.until is None else case.until(found.until)
     folder = RunFolder.claim(case.kept_in(run_folder, resume=True, force=force), command=True)
     folder.more = {} if found.until is None else {"until": found.until}
-    return _solve(case, None, folder, f"{case.title}  ({run_folder})", no_view, quiet)
+    return _solve(case, None, folder, f"{case.title}  ({run_folder})", no_view, threads, quiet)
 
 
-def _solve(case: Case, rival: Case | None, folder: RunFolder, heading: str, no_view: bool, quiet: bool) -> int:
+def _solve(
+    case: Case, rival: Case | None, folder: RunFolder, heading: str, no_view: bool, threads: int, quiet: bool
+) -> int:
     """Run a case in its folder, and its rival beside it; show and draw what came out."""
     from rich.console import Console
 
@@ -214,7 +221,7 @@ def _solve(case: Case, rival: Case | None, folder: RunFolder, heading: str, no_v
     def solve(case: Case, heading: str, folder: RunFolder | None = None) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         with live(console) as progress:
-            return case.run(progress, folder)
+            return case.run(progress, threads, folder)
 
     try:
         # written before anything is shown: what was computed is not lost to a fault further on
@@ -425,9 +432,7 @@ def _load(path: Path) -> tuple[Result, Path]:
 
     said = summary_of(path) if path.is_dir() else None
     if said is not None and said["status"]["code"] == "running":  # a result that is there is that of an earlier run
-        raise InputError(
-            f"holds a run that has not finished: {how_far(path, said)}", resume_command(path), str(path)
-        )
+        raise InputError(f"holds a run that has not finished: {how_far(path, said)}", resume_command(path), str(path))
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
         raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))

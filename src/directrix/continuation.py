@@ -21,12 +21,14 @@ from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
 from directrix.state import initial_state
 from directrix.statics import PATIENCE, solve_static, static_scheme, watch_for
+from directrix.threads import one_blas_thread
 
 Array = NDArray[np.float64]
 
 __all__ = ["continuation"]
 
 
+@one_blas_thread()
 def continuation(
     make: Callable[[float], Model],
     begin: float,
@@ -36,6 +38,7 @@ def continuation(
     start: Result | None = None,
     save_every: int = 1,
     tolerance: float = 1e-9,
+    threads: int = 1,
     stability: bool | None = None,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
@@ -53,7 +56,7 @@ def continuation(
         ``dx.ArcLength(…)``: its load factors are values of p, "forward" is towards larger ones at first.
     start
         An equilibrium of ``make(begin)``: the last state of this result.
-    save_every, tolerance, stability, progress, raise_on_failure
+    save_every, tolerance, threads, stability, progress, raise_on_failure
         As in :func:`directrix.solve_static`.
 
     Returns
@@ -71,7 +74,7 @@ def continuation(
         raise ModelError(f"control = {control!r} does not follow a path", "use dx.ArcLength(…)", "control=")
     model = made(make, begin)
     if start is None:
-        start = solve_static(model, steps, tolerance=tolerance)
+        start = solve_static(model, steps, tolerance=tolerance, threads=threads)
         if not start.success:
             raise ModelError(
                 f"there is no equilibrium to start from at {begin:g}: {start.status.sentence}",
@@ -84,7 +87,7 @@ def continuation(
             "continuation has no form for actuation, tendons and drag yet", "let them be functions of the load factor"
         )
     x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, replace(Settings(tolerance), iterations=PATIENCE))
+    newton = Newton(disc, scheme, replace(Settings(tolerance, threads=threads), iterations=PATIENCE))
     newton.family = Family(make, disc, scheme)
     watch, unread = watch_for(newton, stability, control)
     recorder = Recorder(disc, "static")

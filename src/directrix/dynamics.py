@@ -16,6 +16,7 @@ from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
 from directrix.keeping import Folder, Keeper, RunFolder, fingerprint
+from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.parts import Keep, Parts
@@ -23,10 +24,12 @@ from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
 from directrix.scheme import Rates
 from directrix.state import has_history, initial_state, place_supports
+from directrix.threads import one_blas_thread
 
 __all__ = ["refuse_damping", "simulate"]
 
 
+@one_blas_thread()
 def simulate(
     model: Model,
     t_end: float,
@@ -40,6 +43,8 @@ def simulate(
     keep: Keep | None = None,
     folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
+    threads: int = 1,
+    linear: Petsc | str | None = None,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -70,6 +75,10 @@ def simulate(
         killed or interrupted, to the same digits. The result is written there in the end.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
+    linear
+        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -91,7 +100,7 @@ def simulate(
     scheme = integrator.scheme(dt)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, Settings(tolerance))
+    newton = Newton(disc, scheme, Settings(tolerance, threads=threads, linear=Petsc.of(linear)))
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
     place_supports(disc, x, t0)

@@ -50,6 +50,7 @@ def form_find(
     start: Result | None = None,
     iterations: int = 2000,
     tolerance: float = 1e-9,
+    threads: int = 1,
     progress: Progress | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -69,6 +70,8 @@ def form_find(
         Most iterations of the relaxation.
     tolerance
         Unbalanced over largest element force at which the state is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
     progress
         Called after each iteration with the fraction done and a line of text.
     raise_on_failure
@@ -88,7 +91,7 @@ def form_find(
     iterations = whole(iterations, "iterations", 1, 10**9)
     scheme = static_scheme(model, None)
     disc = discretise(model, scheme)
-    newton = Newton(disc, scheme, Settings(tolerance))
+    newton = Newton(disc, scheme, Settings(tolerance, threads=threads))
     why = not_conservative(newton)
     if why:
         raise ModelError(f"there is no energy to fall: {why}", "use solve_static for such loads")

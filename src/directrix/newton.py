@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import number
+from directrix.checks import number, whole
 from directrix.contact_groups import Pairs, union
 from directrix.discretisation import Discretisation
 from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
+from directrix.keeping.memory import recall, remember
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import tables_for, work_for
-from directrix.keeping.memory import recall, remember
-from directrix.linear.condensed import Condensed
+from directrix.linear.condensed import Condensed, usual
+from directrix.linear.petsc import Petsc
 from directrix.result import Status
 from directrix.scheme import Scheme
 from directrix.state import place_all, place_supports
@@ -40,15 +41,19 @@ class Settings:
 
     ``tolerance``: unbalanced force (moment) over the largest element force (moment), never below round-off;
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
-    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley".
+    iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``threads`` that
+    share the solution of a frame, unless ``linear`` solves it.
     """
 
     tolerance: float = 1e-9
     iterations: int = 50
     largest_turn: float = 0.3
     rotation: str = "exponential"
+    threads: int = 1
+    linear: Petsc | None = None
 
     def __post_init__(self) -> None:
+        whole(self.threads, "threads", 1, 1024)
         if not 0.0 < number(self.tolerance, "tolerance") < 1.0:
             raise ModelError(
                 f"tolerance = {self.tolerance} is not a relative tolerance",
@@ -131,8 +136,18 @@ class Newton:
     def sparse(self) -> Condensed:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
         if self._sparse is None:
-            self._sparse = Condensed(self.disc.pattern.rowptr, self.disc.pattern.column)
+            pattern, linear = self.disc.pattern, self.settings.linear
+            make = usual(self.settings.threads) if linear is None else linear.maker(self._points())
+            self._sparse = Condensed(pattern.rowptr, pattern.column, make)
         return self._sparse
+
+    def _points(self) -> Array:
+        """Where the block rows are in the reference (rows, 3); NaN for rows that are no nodes."""
+        nodes = self.disc.pattern.node_of_row
+        out = np.full((len(nodes), 3), np.nan)
+        real = nodes < len(self.disc.mesh.r0)
+        out[real] = self.disc.mesh.r0[nodes[real]]
+        return out
 
     def _look_around(self, x: Array) -> None:
         """Take in what rods are about to touch at the state ``x``."""
@@ -379,7 +394,6 @@ class Newton:
         return {
             "own": remember(self, "origin", "totals", "strains"),
             "pairs": None if self.pairs is None else list(self.pairs),
-            "usable": None if self._sparse is None else self._sparse.usable,
             "driven": self.driver.remember(),
             "work": remember(self.work, *CARRIED),
         }
@@ -388,9 +402,6 @@ class Newton:
         """Go on from what :meth:`remember` gave; the books of the last step."""
         if memory["pairs"] is not None:
             self._bring(tuple(memory["pairs"]))
-        self._sparse = None
-        if memory["usable"] is not None:
-            self.sparse.usable = memory["usable"]
         recall(self, memory["own"])
         recall(self.work, memory["work"])
         self.driver.recall(memory["driven"])

@@ -131,7 +131,5 @@ class Parts:
         """The fields of a result, NaN where they were not kept."""
         shapes = {name: (len(self.nodes), *shape) for field in FIELDS for name, shape in BEHIND[field].items()}
         shapes |= {name: (len(self.stations), 6) for name in ("strain", "force")}
-        absent = {
-            name: np.broadcast_to(np.nan, (rows, *shape)) for name, shape in shapes.items() if name not in found
-        }
+        absent = {name: np.broadcast_to(np.nan, (rows, *shape)) for name, shape in shapes.items() if name not in found}
         return absent | {name: found[name] for name in ("r", "R", *shapes) if name in found}

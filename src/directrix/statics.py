@@ -26,6 +26,7 @@ from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
 from directrix.joint_checks import refuse_joints
 from directrix.keeping import Folder, Keeper, RunFolder, fingerprint, recall, remember
+from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.parts import Keep, Parts
@@ -34,6 +35,7 @@ from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status, TurningPoint, turn_length
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
+from directrix.threads import one_blas_thread
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -43,6 +45,7 @@ __all__ = ["PATIENCE", "solve_static", "static_scheme", "watch_for"]
 PATIENCE = 20  # Newton iterations of a step along a path: it is cheaper to cut it
 
 
+@one_blas_thread()
 def solve_static(
     model: Model,
     steps: int | None = None,
@@ -54,6 +57,8 @@ def solve_static(
     keep: Keep | None = None,
     folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
+    threads: int = 1,
+    linear: Petsc | str | None = None,
     rotation: str = "exponential",
     stability: bool | None = None,
     progress: Progress | None = None,
@@ -89,12 +94,16 @@ def solve_static(
         killed or interrupted, to the same digits. The result is written there in the end.
     tolerance
         Unbalanced over largest element force at which a state is accepted (never below round-off).
+    threads
+        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
     rotation
         Update of the rotations in an iteration, "exponential" or "cayley"; both reach the same state.
     stability
         Whether to count the negative pivots of the stiffness at every saved state (:attr:`Result.stability`) and, with
         a ``control``, to look for critical points; True with a control unless said otherwise. Where loads have no
         potential there is nothing to read, and ``info["stability"]`` says why.
+    linear
+        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
     raise_on_failure
@@ -126,7 +135,7 @@ def solve_static(
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    settings = Settings(tolerance, rotation=rotation)
+    settings = Settings(tolerance, rotation=rotation, threads=threads, linear=Petsc.of(linear))
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)

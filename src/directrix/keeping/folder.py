@@ -321,8 +321,10 @@ def how_far(path: Path, said: Mapping[str, Any]) -> str:
     if said["status"]["code"] == "interrupted":
         return str(said["status"]["sentence"]).rstrip(".")
     at, steps = (said.get("progress", {}).get(key) for key in ("at", "steps"))
-    return f"it was killed, or failed, after it had reached {at:.9g} in {steps} steps" if at is not None else (
-        "it was killed, or failed, before its first checkpoint"
+    return (
+        f"it was killed, or failed, after it had reached {at:.9g} in {steps} steps"
+        if at is not None
+        else ("it was killed, or failed, before its first checkpoint")
     )
 
 

@@ -37,7 +37,9 @@ NEVER = 10**9
 class Keeper:
     """Watches one run. Without a folder it keeps nothing, and only ends the run when it is asked to."""
 
-    def __init__(self, folder: Folder | RunFolder | str | os.PathLike[str] | None, recorder: Recorder, print_: str) -> None:
+    def __init__(
+        self, folder: Folder | RunFolder | str | os.PathLike[str] | None, recorder: Recorder, print_: str
+    ) -> None:
         self.recorder, self.print = recorder, print_
         self.stopping = False
         self.serial = self.sealed = 0
@@ -136,7 +138,9 @@ class Keeper:
             return result
         try:
             if self.refused is not None:
-                status = Status("interrupted", f"interrupted: {self.refused.where} {self.refused.what}.", self.refused.fix)
+                status = Status(
+                    "interrupted", f"interrupted: {self.refused.where} {self.refused.what}.", self.refused.fix
+                )
                 result = replace(result, status=status)
             folder.write(result)
             if result.success and self.sealed and self.checkpoint["done"]:

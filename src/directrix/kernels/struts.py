@@ -9,7 +9,7 @@ import numpy as np
 
 from directrix.kernels.jit import compiled, inner
 
-__all__ = ["back", "off", "reduce"]
+__all__ = ["back", "reduce"]
 
 
 @inner
@@ -112,20 +112,3 @@ def back(strut, rows, ends, kept, x):
                     value -= kept[j, i, k] * x[after, k] + kept[j, i, 6 + k] * x[first, k]
                 x[row, i] = value
             after = row
-
-
-@compiled
-def off(rowptr, column, blocks, rhs, x):
-    """|K x − b|²."""
-    total = 0.0
-    n = rhs.shape[0]
-    for row in range(n):
-        for i in range(6):
-            value = -rhs[row, i]
-            for at in range(rowptr[row], rowptr[row + 1]):
-                c = column[at]
-                if 0 <= c < n:
-                    for k in range(6):
-                        value += blocks[at, i, k] * x[c, k]
-            total += value * value
-    return total

@@ -1,36 +1,55 @@
-"""Frames: struts eliminated to the junctions they join, the junctions by SuperLU."""
+"""Frames: struts eliminated to the junctions they join, the junctions by dense fronts or SuperLU."""
 # pyright: reportUnknownMemberType=false
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.kernels import struts as kernel
+from directrix.kernels import fronts, struts
+from directrix.linear.conformance import LinearSolver
+from directrix.linear.multifrontal import Multifrontal
 from directrix.linear.sparse import BlockSparse
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Condensed"]
+__all__ = ["Condensed", "Make", "usual"]
+
+MANY = 64
+"""From so many junctions on fronts are quicker than SuperLU."""
+
+
+Make = Callable[[Ints, Ints, Ints], LinearSolver]
+
+
+def usual(threads: int = 1) -> Make:
+    """The solvers that need nothing but SciPy."""
+    return lambda rowptr, column, rows: (
+        Multifrontal(rowptr, column, threads) if len(rows) >= MANY else BlockSparse(rowptr, column)
+    )
 
 
 class Condensed:
     """As :class:`BlockSparse`, for patterns in which many rows have just two neighbours.
 
-    Those rows are eliminated along their struts, so that SuperLU sees the junctions alone. A system whose rows cannot
-    be eliminated so, or whose solution does not satisfy it, goes to :class:`BlockSparse` as it is, and so do all later
-    ones.
+    Those rows are eliminated along their struts, and only the junctions are left: many of them go to
+    :class:`Multifrontal`, a few to SuperLU. A system that cannot be solved so, or whose solution does not satisfy it,
+    goes to :class:`BlockSparse` as it is.
 
     Parameters
     ----------
     rowptr, column
         As for :class:`BlockSparse`.
+    make
+        Makes the solver for the junctions from their pattern and their rows in the whole; by default
+        :class:`Multifrontal` for many, :class:`BlockSparse` for a few.
     """
 
-    def __init__(self, rowptr: Ints, column: Ints) -> None:
+    def __init__(self, rowptr: Ints, column: Ints, make: Make | None = None) -> None:
         self.rowptr, self.column = rowptr, column
         n = len(rowptr) - 1
         place: list[dict[int, int]] = [
@@ -39,7 +58,7 @@ class Condensed:
         chains, junctions = _struts([[j for j in row if j != i] for i, row in enumerate(place)])
         self.junctions = np.array(junctions, np.int64)
         index = {row: k for k, row in enumerate(junctions)}
-        self.usable = bool(chains) and bool(junctions)
+        self.usable = bool(junctions) and (bool(chains) or n >= MANY)
         if not self.usable:
             return
         near: list[set[int]] = [{k, *(index[j] for j in place[row] if j in index)} for k, row in enumerate(junctions)]
@@ -53,19 +72,19 @@ class Condensed:
         direct = [
             (at[k][index[j]], there) for k, row in enumerate(junctions) for j, there in place[row].items() if j in index
         ]
-        self.direct: Ints = np.array(direct, np.int64).reshape(-1, 2)
+        self.direct = _pairs(direct)
         self.strut: Ints = np.cumsum([0, *(len(chain) - 2 for chain in chains)])
         inner = [(a, i, b) for chain in chains for a, i, b in zip(chain, chain[1:], chain[2:], strict=False)]
         self.rows = np.array([i for _, i, _ in inner], np.int64)
         self.own = np.array([place[i][i] for _, i, _ in inner], np.int64)
-        self.before = np.array([(place[i][a], place[a][i]) for a, i, _ in inner], np.int64)
-        self.after = np.array([(place[i][b], place[b][i]) for _, i, b in inner], np.int64)
+        self.before = _pairs((place[i][a], place[a][i]) for a, i, _ in inner)
+        self.after = _pairs((place[i][b], place[b][i]) for _, i, b in inner)
         ends = [(index[chain[0]], index[chain[-1]]) for chain in chains]
-        self.joints = np.array(ends, np.int64)
-        self.ends = np.array([(chain[0], chain[-1]) for chain in chains], np.int64)
-        self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64)
+        self.joints = _pairs(ends)
+        self.ends = _pairs((chain[0], chain[-1]) for chain in chains)
+        self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64).reshape(-1, 4)
         self.kept = np.zeros((len(inner), 6, 13))
-        self.small = BlockSparse(self.small_ptr, np.array(small_column, np.int64))
+        self.small = (make or usual())(self.small_ptr, np.array(small_column, np.int64), self.junctions)
 
     @cached_property
     def plain(self) -> BlockSparse:
@@ -74,18 +93,17 @@ class Condensed:
 
     def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
         """See :meth:`BlockSparse.solve`."""
-        if self.usable and rhs.ndim == 2 and not at_limit:
-            x = self._condensed(blocks, rhs)
-            if x is not None:
-                return x
-            self.usable = False
+        if self.usable and not at_limit and (rhs.ndim == 2 or not isinstance(self.small, BlockSparse)):
+            found = [self._condensed(blocks, b) for b in rhs.reshape(-1, *rhs.shape[-2:])]
+            if all(x is not None for x in found):
+                return np.array(found).reshape(rhs.shape)
         return self.plain.solve(blocks, rhs, at_limit=at_limit)
 
     def _condensed(self, blocks: Array, rhs: Array) -> Array | None:
         small = np.zeros((int(self.small_ptr[-1]) + 1, 6, 6))
         small[self.direct[:, 0]] = blocks[self.direct[:, 1]]
         small_rhs = rhs[self.junctions].copy()
-        if not kernel.reduce(
+        if not struts.reduce(
             self.strut, self.rows, self.own, self.before, self.after, self.joints, self.dest, blocks, rhs, small,
             small_rhs, self.kept,
         ):  # fmt: skip
@@ -95,9 +113,14 @@ class Condensed:
             return None
         x = np.zeros_like(rhs)
         x[self.junctions] = at_junctions
-        kernel.back(self.strut, self.rows, self.ends, self.kept, x)
-        good = kernel.off(self.rowptr, self.column, blocks, rhs, x) <= 1e-16 * float(np.sum(rhs * rhs))
-        return x if good else None
+        struts.back(self.strut, self.rows, self.ends, self.kept, x)
+        scale = fronts.equilibrate(self.rowptr, self.column, blocks, 3)
+        off = fronts.residual(self.rowptr, self.column, blocks, scale, rhs, x)
+        return x if np.linalg.norm(off) <= 1e-8 * np.linalg.norm(scale * rhs) else None
+
+
+def _pairs(pairs: Iterable[tuple[int, int]]) -> Ints:
+    return np.array(list(pairs), np.int64).reshape(-1, 2)
 
 
 def _struts(near: list[list[int]]) -> tuple[list[list[int]], list[int]]:

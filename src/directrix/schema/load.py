@@ -110,10 +110,13 @@ class Case:
     def run(
         self,
         progress: Callable[[float, str], None] | None = None,
+        threads: int = 1,
         folder: Folder | RunFolder | str | PathLike[str] | None = None,
     ) -> Result:
-        """Solve it, in a ``folder`` if there is one. Raises ModelError; a run that fails on the way is a Result with
-        ``success`` False."""
+        """Solve it, a frame with so many ``threads``, in a ``folder`` if there is one.
+
+        Raises ModelError; a run that fails on the way is a Result with ``success`` False.
+        """
         from directrix.dynamics import simulate
         from directrix.statics import solve_static
 
@@ -125,6 +128,7 @@ class Case:
                 control=self.control,
                 formulation=self._formulation(do),
                 tolerance=do.tolerance,
+                threads=threads,
                 save_every=save_every,
                 keep=self.output.keeps,
                 folder=folder,
@@ -137,6 +141,7 @@ class Case:
             integrator=self._integrator(do),
             load_rule=do.load_rule,
             tolerance=do.tolerance,
+            threads=threads,
             save_every=save_every,
             keep=self.output.keeps,
             folder=folder,

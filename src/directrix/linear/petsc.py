@@ -1,0 +1,187 @@
+"""PETSc over MPI, for frames whose factors do not fit one machine. Needs petsc4py, and MUMPS for ``method="lu"``."""
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from directrix.checks import choice, number, shown
+from directrix.errors import ModelError
+from directrix.kernels import fronts as kernel
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+__all__ = ["Petsc", "PetscSolver"]
+
+
+@dataclass(frozen=True)
+class Petsc:
+    """The junctions of a frame by PETSc, on all processes of ``mpirun``; every process runs the same program.
+
+    Struts are eliminated before, on every process alike; the system of the junctions, its factors or its multigrid, are
+    spread over the processes. Chains need no such solver and do not use it.
+
+    Parameters
+    ----------
+    method
+        "lu": MUMPS, a direct solver. "gamg": GMRES with algebraic multigrid that knows the six rigid motions; it takes
+        less memory, and as many iterations as it needs, which are more where struts are slender.
+    tolerance
+        Of "gamg": residual over right-hand side at which it stops.
+
+    Raises
+    ------
+    ModelError
+        A parameter cannot be right; when used: petsc4py is missing.
+    """
+
+    method: Literal["lu", "gamg"] = "lu"
+    tolerance: float = 1e-10
+
+    def __post_init__(self) -> None:
+        choice(self.method, "method", ("lu", "gamg"))
+        if not 0.0 < number(self.tolerance, "tolerance") <= 1e-8:
+            raise ModelError(f"tolerance = {self.tolerance} does not work", "give one of at most 1e-8", "Petsc")
+
+    @staticmethod
+    def of(linear: Petsc | str | None) -> Petsc | None:
+        """What a user gives as ``linear=``. Raises ModelError, also where petsc4py is missing."""
+        if linear is None:
+            return None
+        if linear != "petsc" and not isinstance(linear, Petsc):
+            raise ModelError(f"linear = {shown(linear)} is no solver", 'use "petsc", dx.Petsc(…) or nothing', "linear=")
+        _library()
+        return linear if isinstance(linear, Petsc) else Petsc()
+
+    def maker(self, points: Array) -> Callable[[Ints, Ints, Ints], PetscSolver]:
+        """Makes solvers for rows that are nodes at ``points`` (n, 3), or NaN."""
+        return lambda rowptr, column, rows: PetscSolver(rowptr, column, self, _motions(points[rows]))
+
+
+def _motions(points: Array) -> Array:
+    """(n, 6, 6): increments of nodes at ``points`` in the six rigid motions."""
+    nodes = np.isfinite(points[:, 0])
+    r = np.where(nodes[:, None], points, 0.0)
+    r -= r.sum(axis=0) / max(1, nodes.sum())
+    out = np.zeros((len(points), 6, 6))
+    for k, axis in enumerate(np.eye(3)):
+        out[:, k, k] = 1.0
+        out[:, :3, 3 + k], out[:, 3 + k, 3 + k] = np.cross(axis, r), 1.0
+    out[~nodes] = 0.0
+    return out
+
+
+@cache
+def _library() -> Any:
+    try:
+        import petsc4py
+    except ImportError:
+        raise ModelError(
+            "linear= asks for PETSc, and petsc4py is not here",
+            "install it as docs/performance.md says (Debian: python3-petsc4py), or leave linear= out",
+            "linear=",
+        ) from None
+    petsc4py.init([])
+    from petsc4py import PETSc
+
+    return PETSc
+
+
+class PetscSolver:
+    """Rows spread over the processes in slabs; matrix, right-hand side and solution are known to every process.
+
+    Parameters
+    ----------
+    rowptr, column
+        As for :class:`directrix.linear.sparse.BlockSparse`.
+    how
+        The method.
+    motions
+        (n, 6, 6): increments of each row in the six rigid motions, zero for rows that are no nodes.
+    """
+
+    def __init__(self, rowptr: Ints, column: Ints, how: Petsc, motions: Array) -> None:
+        lib = self._lib = _library()
+        self.rowptr, self.column, self.how, self.motions = rowptr, column, how, motions
+        n = len(rowptr) - 1
+        world = lib.COMM_WORLD
+        share = np.linspace(0, n, world.size + 1).astype(np.int64)
+        self.first, self.last = int(share[world.rank]), int(share[world.rank + 1])
+        row = np.repeat(np.arange(n), np.diff(rowptr))
+        here = (column >= 0) & (column < n) & (row >= self.first) & (row < self.last)
+        self.entries: Ints = np.flatnonzero(here)
+        counts = np.bincount(row[here] - self.first, minlength=self.last - self.first)
+        self.rows, self.columns = row[here], column[here]
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        # scalar rows: the six rows of a block row one after the other
+        self.order: Ints = np.argsort(
+            (np.repeat(self.rows, 36) * 6 + np.tile(np.repeat(np.arange(6), 6), len(self.rows))), kind="stable"
+        )
+        whole = lib.IntType
+        indptr = np.concatenate([[0], np.cumsum(np.repeat(6 * np.diff(starts), 6))]).astype(whole)
+        indices = (6 * np.repeat(self.columns, 36) + np.tile(np.arange(6), 6 * len(self.columns)))[self.order]
+        self.csr = indptr, indices.astype(whole)
+        local = 6 * (self.last - self.first)
+        self.matrix = lib.Mat().createAIJ(
+            ((local, 6 * n), (local, 6 * n)), bsize=6, csr=(*self.csr, np.zeros(len(indices))), comm=world
+        )
+        self.b = self.matrix.createVecLeft()
+        self.x = self.matrix.createVecRight()
+        self.spread, self.all = lib.Scatter.toAll(self.x)
+        self.ksp = lib.KSP().create(world)
+        self.ksp.setOperators(self.matrix)
+        part = self.ksp.getPC()
+        if how.method == "lu":
+            self.ksp.setType("preonly")
+            part.setType("lu")
+            part.setFactorSolverType("mumps")
+        else:
+            self.ksp.setType("gmres")
+            self.ksp.setGMRESRestart(200)
+            self.ksp.setTolerances(rtol=how.tolerance, max_it=2000)
+            part.setType("gamg")
+
+    def solve(self, blocks: Array, rhs: Array) -> Array | None:
+        """x with K x = rhs, both (n, 6), or None where PETSc finds none."""
+        lib = self._lib
+        scale = kernel.equilibrate(self.rowptr, self.column, blocks, 3)
+        values = scale[self.rows][:, :, None] * blocks[self.entries] * scale[self.columns][:, None, :]
+        self.matrix.setValuesCSR(*self.csr, values.reshape(-1)[self.order])
+        self.matrix.assemble()
+        if self.how.method == "gamg":
+            self._tell_motions(scale)
+        off = scale * rhs
+        x, allowed = np.zeros_like(off), 1e-8 * np.linalg.norm(off)
+        for _ in range(3):
+            self.b.setArray(off[self.first : self.last].ravel())
+            try:
+                self.ksp.solve(self.b, self.x)
+            except lib.Error:
+                return None
+            if self.ksp.getConvergedReason() < 0:
+                return None
+            self.spread.scatter(self.x, self.all, addv=lib.InsertMode.INSERT, mode=lib.ScatterMode.FORWARD)
+            x += scale * self.all.getArray().reshape(rhs.shape)
+            off = kernel.residual(self.rowptr, self.column, blocks, scale, rhs, x)
+            if np.linalg.norm(off) <= allowed:
+                return x
+        return None
+
+    def _tell_motions(self, scale: Array) -> None:
+        """Rigid motions of the scaled unknowns, orthonormal, for the multigrid."""
+        lib = self._lib
+        basis, _ = np.linalg.qr((self.motions / scale[:, :, None]).reshape(-1, 6))
+        vectors: list[Any] = []
+        for k in range(6):
+            vector = self.matrix.createVecRight()
+            vector.setArray(basis[6 * self.first : 6 * self.last, k])
+            vectors.append(vector)
+        self.matrix.setNearNullSpace(lib.NullSpace().create(vectors=vectors, comm=lib.COMM_WORLD))
