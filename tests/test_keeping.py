@@ -18,12 +18,15 @@ from typing import Any
 import numpy as np
 import pytest
 from kept_runs import FEW, Solve, every, flying
+from typer.testing import CliRunner
 
 import directrix as dx
-from directrix.keeping import Keeper, disk
+from directrix.cli import app
+from directrix.keeping import Keeper, RunFolder, disk
 from directrix.keeping.store import Store
 
 ALL = every()
+bent = FEW["load control"]
 
 
 @pytest.fixture(autouse=True)
@@ -33,7 +36,7 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def frozen_at(
-    solve: Solve, steps: Callable[[int], bool], folder: Path, monkeypatch: pytest.MonkeyPatch
+    solve: Solve, steps: Callable[[int], bool], folder: Path, monkeypatch: pytest.MonkeyPatch, every: int = 1
 ) -> tuple[bytes, dict[int, Path]]:
     """The file that a run ends with, and its folder as it was after some steps."""
     copies: dict[int, Path] = {}
@@ -47,7 +50,7 @@ def frozen_at(
 
     with monkeypatch.context() as patched:
         patched.setattr(Keeper, "keep", copying)
-        solve(folder=dx.Folder(folder / "run", steps=1))
+        solve(folder=dx.Folder(folder / "run", steps=every))
     return (folder / "run" / "result.vtkhdf").read_bytes(), copies
 
 
@@ -58,8 +61,8 @@ def gone_on(solve: Solve, folder: Path) -> bytes:
 
 @pytest.mark.parametrize("name", FEW)
 def test_a_run_goes_on_to_the_same_file(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, copies = frozen_at(FEW[name], lambda n: n in (3, 10), tmp_path, monkeypatch)
-    assert len(copies) == 2
+    whole, copies = frozen_at(FEW[name], lambda n: n in (5, 15), tmp_path, monkeypatch, 5)
+    assert copies
     for copy in copies.values():
         assert gone_on(FEW[name], copy) == whole
 
@@ -178,7 +181,7 @@ def survived(folder: Path, patch: pytest.MonkeyPatch, every: int) -> int:
 
 
 def test_after_a_fault_there_is_something_to_go_on_from(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert survived(tmp_path, monkeypatch, 11) > 5
+    assert survived(tmp_path, monkeypatch, 17) > 5
 
 
 @pytest.mark.slow
@@ -201,3 +204,202 @@ def test_what_is_kept_and_watched_changes_nothing(name: str, tmp_path: Path) -> 
         assert a[at].tobytes() == b.tobytes() and a.tobytes() == c.tobytes(), field
     for field in ("kinetic", "stored", "work", "dissipated", "residual"):
         assert getattr(often.energy, field)[at].tobytes() == getattr(rarely.energy, field).tobytes(), field
+
+
+# --- the command line
+
+CASE = """
+[section.rubber]
+kind = "circle"
+radius = 0.02
+E = 5e6
+nu = 0.5
+rho = 1100
+
+[[rod]]
+name = "rod"
+section = "rubber"
+line = [[0, 0, 0], [1, 0, 0]]
+ends = ["A", "B"]
+elements = 4
+
+[[support]]
+node = "A"
+type = "pin"
+
+[gravity]
+value = [0, 0, -9.81]
+
+[dynamics]
+t_end = 0.2
+dt = 0.01
+
+[output]
+save_every = 3
+checkpoint_steps = 4
+"""
+BLIND = "--no-view", "-q"
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "swing.toml"
+    path.write_text(CASE)
+    return path
+
+
+def command(*args: object) -> tuple[int, str]:
+    done = CliRunner().invoke(app, [str(a) for a in args])
+    return done.exit_code, done.stdout + done.stderr
+
+
+def stopped(case: Path, monkeypatch: pytest.MonkeyPatch, what: Callable[[], object], calls: int = 2) -> tuple[int, str]:
+    """Run a case; at the given checkpoint something happens."""
+    keep, left = Keeper.keep, [calls]
+
+    def bad(self: Keeper, *args: Any, **options: Any) -> None:
+        keep(self, *args, **options)
+        left[0] -= 1
+        if left[0] == 0:
+            what()
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Keeper, "keep", bad)
+        return command("run", case, *BLIND)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_a_run_that_can_be_gone_on_with(
+    case: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    assert command("run", case, *BLIND, "--out", case.parent / "whole")[0] == 0
+    before = signal.getsignal(number)
+    code, said = stopped(case, monkeypatch, lambda: os.kill(os.getpid(), number))
+    folder = case.with_suffix(".run")
+    assert code == 130 and f"Go on with directrix resume {folder}." in said
+    assert signal.getsignal(number) is before
+    assert dx.load(folder / "result.vtkhdf").t[-1] == pytest.approx(0.09)  # after the step that was on
+    code, said = command("run", case, *BLIND)
+    assert code == 2 and "interrupted at t = 0.09" in said and f"directrix resume {folder}" in said
+    code, said = command("info", folder)
+    assert code == 0 and "interrupted at t = 0.09" in said and "directrix resume" in said
+    assert command("resume", folder, *BLIND)[0] == 0
+    whole = case.parent / "whole"
+    assert (folder / "result.vtkhdf").read_bytes() == (whole / "result.vtkhdf").read_bytes()
+    assert (folder / "monitor.csv").read_bytes() == (whole / "monitor.csv").read_bytes()
+    code, said = command("resume", folder, *BLIND)
+    assert code == 2 and "has finished" in said and "--until" in said
+
+
+def test_a_run_that_has_ended_goes_on_until_later(case: Path) -> None:
+    assert command("run", case, *BLIND)[0] == 0
+    folder = case.with_suffix(".run")
+    assert command("resume", folder, "--until", 0.31, *BLIND)[0] == 0
+    longer = case.with_name("longer.toml")
+    longer.write_text('title = "swing"\n' + CASE.replace("0.2\n", "0.31\n"))
+    assert command("run", longer, *BLIND)[0] == 0
+    assert (folder / "result.vtkhdf").read_bytes() == (longer.with_suffix(".run") / "result.vtkhdf").read_bytes()
+    code, said = command("resume", folder, "--until", 0.1, *BLIND)
+    assert code == 2 and "has reached t = 0.31 already" in said
+
+
+def test_our_own_fault_loses_nothing(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fault() -> None:
+        raise ZeroDivisionError("float division")
+
+    assert stopped(case, monkeypatch, fault)[0] == 1
+    folder = case.with_suffix(".run")
+    code, said = command("run", case, *BLIND)
+    assert code == 2 and "was killed, or failed, after it had reached 0.08 in 8 steps" in said
+    assert "--overwrite" in said and "directrix resume" in said
+    code, said = command("plot", folder, "energy")
+    assert code == 2 and "has not finished" in said
+    assert "last checkpoint at 0.08" in command("info", folder)[1]
+    assert command("run", case, *BLIND, "--overwrite")[0] == 0
+
+
+def test_changed_input_is_refused_and_another_machine_is_warned_of(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert stopped(case, monkeypatch, lambda: os.kill(os.getpid(), signal.SIGINT))[0] == 130
+    folder = case.with_suffix(".run")
+    case.write_text(CASE.replace("9.81", "9.8"))
+    code, said = command("resume", folder, *BLIND)
+    assert code == 2 and "has changed since the run began" in said and "--force" in said
+    case.write_text(CASE)
+    (folder / "input.toml").write_text(CASE.replace("9.81", "9.8"))
+    assert command("resume", folder, *BLIND)[0] == 2
+    said = json.loads((folder / "run.json").read_text())
+    said["environment"]["cpu"] = "abacus"
+    (folder / "run.json").write_text(json.dumps(said))
+    code, said = command("resume", folder, *BLIND, "--force")
+    assert code == 0 and "cpu was abacus" in said and "has changed" in said
+
+
+def test_damaged_checkpoints_and_segments_are_noticed(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert stopped(case, monkeypatch, lambda: os.kill(os.getpid(), signal.SIGINT), 3)[0] == 130
+    folder = case.with_suffix(".run")
+    store = Store(folder)
+    newest = store.newest()
+    assert newest is not None
+    slot = store.slot(newest["serial"])
+    slot.write_bytes(slot.read_bytes()[:-1] + b"?")
+    older = store.newest()
+    assert older is not None and older["serial"] == newest["serial"] - 1
+    segment = store.segment(older["segments"] - 1)
+    segment.write_bytes(segment.read_bytes()[:-8])
+    assert store.newest() is None
+    assert command("resume", folder, *BLIND)[0] == 0  # from the beginning
+    assert dx.load(folder / "result.vtkhdf").success
+
+
+def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
+    claimed = RunFolder.claim(dx.Folder(tmp_path / "run"))
+    with pytest.raises(dx.InputError, match="belongs to a run that is on"):
+        RunFolder.claim(dx.Folder(tmp_path / "run"))
+    claimed.close()
+    RunFolder.claim(dx.Folder(tmp_path / "run")).close()
+
+
+def test_another_model_does_not_go_on_with_a_run(tmp_path: Path) -> None:
+    bent(folder=tmp_path / "run")
+    with pytest.raises(dx.InputError, match="another model, or with other arguments"):
+        bent(folder=dx.Folder(tmp_path / "run", resume=True), tolerance=1e-8)
+
+
+# --- what is kept
+
+
+def test_parts_are_those_of_the_whole(tmp_path: Path) -> None:
+    solve = FEW["a frame with joints"]
+    whole = solve()
+    part = solve(keep=dx.Keep(("top", "F"), ("velocity", "force")), folder=tmp_path / "run")
+    assert [rod.name for rod in part.mesh.rods] == ["top"] and set(part.mesh.node_names) == {"C", "D", "F"}
+    assert part.mesh.joints == ("joint2",) or len(part.mesh.joints) == 1
+    for name in ("C", "D", "F"):
+        for field in ("r", "R", "v", "displacement"):
+            a, b = (getattr(run.node(name), field) for run in (whole, part))
+            np.testing.assert_array_equal(a, b)
+        assert np.isnan(part.node(name).reaction).all()
+    np.testing.assert_array_equal(part.rod("top").force, whole.rod("top").force)
+    (joint,) = part.mesh.joints
+    np.testing.assert_array_equal(part.joint(joint).force, whole.joint(joint).force)
+    np.testing.assert_array_equal(part.joint(joint).coordinate, whole.joint(joint).coordinate)
+    assert part.audit == whole.audit
+    np.testing.assert_array_equal(part.energy.total, whole.energy.total)
+    again = dx.load(tmp_path / "run" / "result.vtkhdf")
+    np.testing.assert_array_equal(again.r, part.r)
+    assert again.view(tmp_path / "view.html")
+
+
+@pytest.mark.parametrize(
+    ("keep", "names"),
+    [
+        (lambda: dx.Keep("top"), "one text"),
+        (lambda: dx.Keep(("nobody",)), "nobody"),
+        (lambda: dx.Keep((), ()), "nothing is to be kept"),
+        (lambda: dx.Keep(fields=("colour",)), "colour"),
+        (lambda: dx.Keep(parts=3), "no names"),
+    ],
+)
+def test_what_cannot_be_kept(keep: Callable[[], dx.Keep], names: str) -> None:
+    with pytest.raises(dx.ModelError, match=names):
+        FEW["a frame with joints"](keep=keep())

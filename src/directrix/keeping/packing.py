@@ -1,7 +1,7 @@
 """Arrays and plain values as bytes with a checksum, the same bytes for the same values.
 
-A line that names the format, a line with the SHA-256 of the rest, a line of JSON, the arrays one after the other. In the
-JSON an array stands as {"array": number}; a tuple comes back as a list, floats exactly as they were.
+A line that names the format, a line with the SHA-256 of the rest, a line of JSON, the arrays one after the other. In
+the JSON an array stands as {"array": number}; a tuple comes back as a list, floats exactly as they were.
 """
 
 from __future__ import annotations
