@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 __all__ = ["Progress", "Recorder"]
 
 Progress = Callable[[float, str], None]
+EACH = 200
+"""Bytes that an array takes beside its values."""
 
 
 class Recorder:
@@ -63,7 +65,7 @@ class Recorder:
         if not self.parts.whole:  # what follows from all of a state has to be found out now
             row |= self._derived({name: value[None] for name, value in row.items()}, first=True)
         self.rows.append({name: value.copy() for name, value in self.parts.of(row).items()})
-        self.size += sum(value.nbytes for value in self.rows[-1].values())
+        self.size += sum(value.nbytes + EACH for value in self.rows[-1].values())
 
     def take(self) -> dict[str, Any]:
         """Rows and iterations since the last time, to be put where ``earlier`` of :meth:`result` finds them."""

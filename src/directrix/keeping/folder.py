@@ -7,7 +7,7 @@ import json
 import os
 import platform
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -274,11 +274,15 @@ class RunFolder:
         text = json.dumps(runs.finite(self.said), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         self._put(runs.SUMMARY, text.encode())
 
-    def _put(self, name: str, data: bytes) -> None:
+    def _put(self, name: str, data: bytes | Iterable[bytes]) -> None:
+        needed = 0
         try:
-            disk.put(self.path / name, data)
+            with disk.replacing(self.path / name) as file:
+                for part in (data,) if isinstance(data, bytes) else data:
+                    needed += len(part)
+                    disk.write(file, part)
         except OSError as error:
-            raise disk.refused(error, str(self.path / name), len(data), self._fix) from None
+            raise disk.refused(error, str(self.path / name), needed, self._fix) from None
 
     @property
     def _fix(self) -> str:

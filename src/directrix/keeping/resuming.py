@@ -8,6 +8,7 @@ from pathlib import Path
 
 from directrix.errors import InputError
 from directrix.keeping.folder import changed, summary_of, unfinished
+from directrix.keeping.store import Store
 
 __all__ = ["Frozen", "frozen"]
 
@@ -59,6 +60,8 @@ def frozen(folder: Path, *, force: bool = False, until: float | None = None) -> 
             )
         warnings.append(f"{path} has changed since the run began")
     warnings += [f"{line}: the last digits may be others" for line in changed(said)]
+    if Store(folder).newest() is None:
+        warnings.append("there is no checkpoint that can be read: the run begins anew")
     return Frozen(copy, said.get("title", ""), said.get("until") if until is None else until, tuple(warnings))
 
 
