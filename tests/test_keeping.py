@@ -26,6 +26,8 @@ from directrix.keeping import Keeper, RunFolder, disk
 from directrix.keeping.store import Store
 
 ALL = every()
+KILLS = int(os.environ.get("DIRECTRIX_KILLS", "1"))
+"""Of every model; more of them in CI, 200 in all among the long checks."""
 bent = FEW["load control"]
 
 
@@ -114,7 +116,7 @@ def killed_often(name: str, kills: int, folder: Path) -> int:
 
 @pytest.mark.parametrize("name", list(FEW)[:4])
 def test_killed_runs_end_with_the_same_file(name: str, tmp_path: Path) -> None:
-    assert killed_often(name, 2, tmp_path) >= 1
+    assert killed_often(name, KILLS, tmp_path) >= 1
 
 
 @pytest.mark.slow

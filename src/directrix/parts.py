@@ -127,7 +127,7 @@ class Parts:
         absent += ["force"] if "strain" in absent else []
         return [name for name in names if name not in absent and not (self.whole and name == whole)]
 
-    def filled(self, found: Mapping[str, Array], rows: int) -> dict[str, Array]:
+    def filled(self, found: Mapping[str, Array], rows: int) -> dict[str, Any]:
         """The fields of a result, NaN where they were not kept."""
         shapes = {name: (len(self.nodes), *shape) for field in FIELDS for name, shape in BEHIND[field].items()}
         shapes |= {name: (len(self.stations), 6) for name in ("strain", "force")}

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -109,13 +110,16 @@ class Recorder:
         self, status: Status, audit: Audit, info: Mapping[str, Any], earlier: Iterable[Mapping[str, Any]] = ()
     ) -> Result:
         """Everything saved so far as a Result."""
-        pieces = [part for part in earlier if part["rows"]]
-        pieces += [_stacked(self.rows)] if self.rows else []
-        names = [name for name in pieces[0] if name not in ("rows", "iterations")]
-        found = {name: np.concatenate([piece.pop(name) for piece in pieces]) for name in names}
-        return self._result(found, status, audit, info)
-
-    def _result(self, found: dict[str, Array], status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
+        found: dict[str, Array] = {}
+        first = 0
+        waiting = [{"rows": len(self.rows), **_stacked(self.rows)}] if self.rows else []
+        for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
+            last = first + part["rows"]
+            for name in part.keys() - {"rows", "iterations"}:
+                if name not in found:
+                    found[name] = np.empty((self.count, *part[name].shape[1:]))
+                found[name][first:last] = part[name]
+            first = last
         if self.parts.whole:
             found |= self._derived(found)
         scalars, totals = found["scalars"], found["totals"]

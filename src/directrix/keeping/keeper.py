@@ -180,8 +180,8 @@ class Keeper:
 
 def fingerprint(disc: Discretisation, scheme: Scheme, settings: Mapping[str, Any], times: tuple[float, ...]) -> str:
     """A number that is the same for the same system of equations: what the loops read, loads at some ``times``."""
-    asked = {name: v if isinstance(v, np.ndarray) else repr(v) for name, v in settings.items()}
-    said = {
+    asked: dict[str, Any] = {name: v if isinstance(v, np.ndarray) else repr(v) for name, v in settings.items()}
+    said: dict[str, Any] = {
         "scheme": repr(scheme), "settings": asked,
         "groups": [[repr(g.element), repr(g.layout), list(g.names), g.conn, g.parameters] for g in disc.groups],
         "r0": disc.mesh.r0, "fixed": disc.fixed.astype(int), "joints": list(disc.mesh.joints),

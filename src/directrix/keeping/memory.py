@@ -1,4 +1,5 @@
 """What an object has to remember of a run so that it can go on from there: some of its attributes, copied."""
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from __future__ import annotations
 

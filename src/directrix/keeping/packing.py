@@ -3,6 +3,7 @@
 A line that names the format, a line with the SHA-256 of the rest, a line of JSON, the arrays one after the other. In
 the JSON an array stands as {"array": number}; a tuple comes back as a list, floats exactly as they were.
 """
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from directrix.errors import InputError
 from directrix.keeping.folder import changed, summary_of, unfinished
@@ -33,7 +34,7 @@ def frozen(folder: Path, *, force: bool = False, until: float | None = None) -> 
     where = str(folder)
     if said is None:
         raise InputError("holds no run to go on with", "name the folder that directrix run wrote", where)
-    of = said.get("input") or {}
+    of: dict[str, Any] = said.get("input") or {}
     if "copy" not in of:
         raise InputError(
             "holds a run that was not started from a case file",
