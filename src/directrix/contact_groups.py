@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from directrix.basis import gauss
 from directrix.contacts import Contact, Plane, RodContact, Touch, force_per_length
@@ -139,6 +138,8 @@ class _Side:
 
     def pairs(self, r: Array, margin: float) -> Ints:
         """Pairs nearer than ``margin`` to a touch at the positions ``r`` (n, 3)."""
+        from scipy.spatial import KDTree
+
         piece, place, _ = self.points
         ends = r[self.pieces.nodes]
         at = _on(ends[piece], place)

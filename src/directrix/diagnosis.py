@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bmat, csc_matrix, diags
-from scipy.sparse.linalg import splu
 
 from directrix.discretisation import Discretisation, discretise
 from directrix.errors import ModelError
@@ -175,6 +173,9 @@ def _from_loads(newton: Newton, x: Array, loads: Array, motions: Array, cluster:
     The state is moved a little way towards what they do in first order, free motions left out, and back; half the
     difference of the tangents is theirs.
     """
+    from scipy.sparse import bmat, csc_matrix, diags
+    from scipy.sparse.linalg import splu
+
     disc = newton.disc
     free = np.flatnonzero(~disc.held.ravel())
     k = motions.shape[2]

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 __all__ = ["facts", "self_test"]
 
-CORE = ("numpy", "scipy", "numba", "llvmlite", "h5py", "pydantic", "typer", "rich")
+CORE = ("numpy", "scipy", "llvmlite", "h5py", "pydantic", "typer", "rich")
 EXTRAS = {"matplotlib": "pictures"}
 
 

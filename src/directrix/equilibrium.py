@@ -90,7 +90,7 @@ class Linearised:
             elif lengths and isinstance(group.element, LinkElement):
                 parameters[:, 7] -= [lengths.get(name, 0.0) for name in group.names]  # what a link is without tension
             blocks.append(in_lanes(parameters))
-        return self.hessian.matrix(self.x, self.newton.tables._replace(par=np.concatenate(blocks)))
+        return self.hessian.matrix(self.x, self.newton.tables.replaced(par=np.concatenate(blocks)))
 
     def rates(self, response: Array) -> tuple[Array, dict[str, float]]:
         """Strains (stations, 6) and lengths of links for one unit of an increment (6 n,), by a central difference."""

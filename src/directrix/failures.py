@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, diags, identity
-from scipy.sparse.linalg import splu
 
 from directrix.kernels.tables import in_lanes
 from directrix.mechanisms import parts_of
@@ -60,6 +58,9 @@ def explained(newton: Newton, x: Array, status: Status, *, static: bool = True) 
 
 def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
     """The free motion of least |stiffness|, by inverse iteration on the scaled tangent; None when it finds none."""
+    from scipy.sparse import csc_matrix, diags, identity
+    from scipy.sparse.linalg import splu
+
     disc = newton.disc
     free = np.flatnonzero(~disc.held.ravel())
     kept = csc_matrix(whole_tangent(newton, x)[free][:, free])
@@ -83,7 +84,7 @@ def nearest_mode(newton: Newton, x: Array) -> Nearest | None:
     vector = scale * (q @ vectors[:, nearest])
     shape = np.zeros(disc.held.size)
     shape[free] = vector
-    relaxed = whole_tangent(newton, x, newton.tables._replace(par=_without_stress(newton, x)))
+    relaxed = whole_tangent(newton, x, newton.tables.replaced(par=_without_stress(newton, x)))
     share = float(shape @ (whole_tangent(newton, x) @ shape)) / max(float(shape @ (relaxed @ shape)), 1e-300)
     share = share if abs(values[nearest]) > NOTHING else 0.0
     out = shape.reshape(-1, 6)[: disc.nodes]

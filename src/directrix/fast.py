@@ -37,7 +37,7 @@ class Fast:
         self.newton, self.strips = newton, strips
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
-        self.results = np.zeros((0, 18))
+        self.results = np.zeros((0, 19))
         self.energy = self.loss = 0.0
         self.before = 0
 
@@ -52,7 +52,7 @@ class Fast:
             self.strips.set_load(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), 18))
+        self.results = np.zeros((min(count, self.strips.many), 19))
         self.strips.run(self.results)
         return self.settle(ledger)
 

@@ -10,7 +10,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import KDTree
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from directrix.model import Model
@@ -124,6 +124,16 @@ def _no_inertia(model: Model) -> Iterator[Finding]:
             )
 
 
+def _closer(points: NDArray[np.float64], reach: float) -> set[tuple[int, int]]:
+    """Pairs of points that are no further apart than ``reach``."""
+    if len(points) > 500:
+        from scipy.spatial import KDTree  # takes longer to load than the pairs of a few points
+
+        return KDTree(points).query_pairs(reach)
+    near = np.linalg.norm(points[:, None] - points, axis=2) <= reach
+    return {(int(i), int(j)) for i, j in np.argwhere(np.triu(near, 1))}
+
+
 def _near(model: Model) -> Iterator[Finding]:
     places = {
         name: rod.curve.position(f * rod.curve.length)
@@ -134,7 +144,7 @@ def _near(model: Model) -> Iterator[Finding]:
         return
     points = np.array(list(places.values()))
     shortest = min(rod.curve.length for rod in model.rods)
-    pairs = KDTree(points).query_pairs(NEAR * shortest)
+    pairs = _closer(points, NEAR * shortest)
     names, size = list(places), float(np.ptp(points, axis=0).max())
     joined = {frozenset(pair) for rod in model.rods for pair in combinations(rod.names, 2)}
     joined |= {frozenset((k.a, k.b)) for k in model.links if isinstance(k.b, str)}

@@ -14,9 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csc_matrix, identity
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from directrix.discretisation import Discretisation
 from directrix.motions import Part
@@ -62,6 +59,9 @@ class Equations:
 
 def parts_of(disc: Discretisation, x: Array) -> tuple[Part, ...]:
     """The rigidly joined parts at the state ``x``."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     pairs = [np.zeros((0, 2), np.int64)]
     pairs += [g.conn[:, [a, a + 1]] for g in disc.groups if not g.names for a in range(g.layout.nn - 1)]
     i, j = np.concatenate(pairs).T
@@ -88,6 +88,9 @@ def parts_of(disc: Discretisation, x: Array) -> tuple[Part, ...]:
 
 def clusters(parts: tuple[Part, ...], equations: Sequence[Equations]) -> list[Cluster]:
     """Parts that can move, with their free motions; those that equations tie together are one cluster."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     held = _settled(parts, equations)
     loose = [k for k in range(len(parts)) if not held[k]]
     place = {part: k for k, part in enumerate(loose)}
@@ -146,6 +149,9 @@ def _stacked(equations: Sequence[Equations], at: dict[int, int]) -> Array:
 
 def _null_space(rows: Array) -> Array:
     """Orthonormal motions (columns) that satisfy ``rows`` (m, n)."""
+    from scipy.sparse import csc_matrix, identity
+    from scipy.sparse.linalg import splu
+
     n = rows.shape[1]
     if n <= FEW:
         _, s, vt = np.linalg.svd(_triangle(rows))

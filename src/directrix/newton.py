@@ -114,7 +114,7 @@ class Newton:
         """Loads (n, 12) at a load factor; the parameters of the elements follow where they depend on it."""
         if self.family is None:
             return self.disc.external(factor, factor)
-        self.tables = self.tables._replace(par=self.family.parameters(factor))
+        self.tables = self.tables.replaced(par=self.family.parameters(factor))
         return self.family.at(factor).external(factor)
 
     def place(self, x: Array, factor: float) -> bool:
@@ -218,7 +218,7 @@ class Newton:
                 self.options[4], self.options[7] = self.settings.largest_turn, 1.0
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
             x[:] = start
-            outcome = self._iterate(self.tables._replace(chain=0), x, external, moved)
+            outcome = self._iterate(self.tables.replaced(chain=0), x, external, moved)
         return outcome
 
     def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:

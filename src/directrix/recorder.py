@@ -126,7 +126,7 @@ class Recorder:
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
-            **{name: _version(name) for name in ("numpy", "scipy", "numba", "h5py")},
+            **{name: _version(name) for name in ("numpy", "scipy", "llvmlite", "h5py")},
             "elements": self.disc.elements,
             "nodes": self.disc.nodes,
             "solver": "chain" if self.disc.pattern.chain else "sparse",

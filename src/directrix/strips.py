@@ -7,6 +7,7 @@ Everything else, and every step that does not converge here, takes the general w
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,9 @@ from directrix.kernels import rows
 from directrix.kernels import strips as kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.elimination import elimination_address
-from directrix.kernels.lanes import lane_address
+from directrix.kernels.lanes import Code, lane_address
+from directrix.kernels.record import Record
+from directrix.kernels.strip_elimination import BATCH
 from directrix.scheme import Rates, Scheme
 
 Array = NDArray[np.float64]
@@ -27,12 +30,12 @@ Ints = NDArray[np.int64]
 
 __all__ = ["Strips", "strips_for"]
 
-FEWEST = 40
-"""Elements from which on lanes are used: below, a run ends sooner than the lanes take to compile the first time."""
+FEWEST = 8
+"""Elements from which on lanes are used."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
-class Strip(NamedTuple):
+class Strip(Record):
     """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element.
 
     See :mod:`directrix.kernels.strips`."""
@@ -40,6 +43,8 @@ class Strip(NamedTuple):
     elements: int
     lanes: int
     stride: int
+    points: int
+    results: int
     parameters: int
     x: Array
     p: Array
@@ -55,6 +60,7 @@ class Strip(NamedTuple):
     out: Array
     small: Array
     carry: Array
+    none: Array
     res: Array
     f: Array
     du: Array
@@ -62,7 +68,7 @@ class Strip(NamedTuple):
     turn: Array
 
 
-class Joints(NamedTuple):
+class Joints(Record):
     """The nodes where parts meet, and what all parts share."""
 
     eliminate: int
@@ -153,7 +159,7 @@ class Strips:
         p = group.parameters[order][:, 9 * group.layout.nn if aligned else 0 :]
         self.fixed = disc.fixed
         self.parts = [
-            _part(chain, order, stride, p, begin, many, lanes, disc.fixed)
+            _part(chain, order, group, p, begin, many, lanes, disc.fixed)
             for begin, many, lanes in ((first, length, LANES), (more, 1, left))
         ]
         self.joints = chain[::stride][np.append(first, np.arange(length * LANES, len(order) + 1))]
@@ -216,8 +222,9 @@ class Strips:
 
 
 def _part(
-    chain: Ints, order: Ints, stride: int, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
+    chain: Ints, order: Ints, group: Group, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
 ) -> Part:
+    stride, points = group.layout.nn - 1, group.layout.points
     at = stride * first + np.arange(stride * many + 1)[:, None]
     nodes, members = chain[at], first + np.arange(many)[:, None]
     free: Array = np.where(fixed[nodes], 0.0, 1.0).transpose(0, 2, 1)  # (nodes, 6, LANES)
@@ -231,20 +238,32 @@ def _part(
     first_free[0] = 0.0
 
     def lane(values: int, count: int = 1) -> Array:
-        return np.zeros(count * values * LANES)
+        return _aligned(np.zeros(count * values * LANES))
 
     nn = stride + 1
-    out = lane(6 * nn + 36 * nn * nn)
+    results = 6 * nn + 36 * nn * nn + 72 * nn * points
+    out = lane(results, min(many, BATCH))
     strip = Strip(
-        many, lanes, stride, p.shape[1],
-        x=lane(rows.NODE, len(nodes)), p=p[members].transpose(0, 2, 1).ravel(), load=lane(6, len(nodes)),
-        first_load=lane(6, stride), free=free.ravel(), first_free=first_free.ravel(), still=still.ravel(),
+        many, lanes, stride, points, results, p.shape[1],
+        x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1).ravel()), load=lane(6, len(nodes)),
+        first_load=lane(6, stride), free=_aligned(free.ravel()), first_free=first_free.ravel(),
+        still=_aligned(still.ravel()),
         held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
         within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
-        carry=lane(rows.CARRY), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)), start=lane(3, len(nodes)),
+        carry=lane(rows.CARRY), none=lane(36), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)),
+        start=lane(3, len(nodes)),
         turn=np.full(many * LANES, -3.0),
     )  # fmt: skip
     return Part(strip, nodes, order[members])
+
+
+def _aligned(values: Array) -> Array:
+    """A copy that begins where a line of the cache does: a vector that lies across two costs two loads."""
+    room = np.empty(values.size + 8)
+    first = -(room.ctypes.data // 8) % 8
+    out = room[first : first + values.size]
+    out[:] = values
+    return out
 
 
 def _joints(fixed: NDArray[np.uint8]) -> Joints:
@@ -257,25 +276,31 @@ def _joints(fixed: NDArray[np.uint8]) -> Joints:
 
 
 def _code(group: Group, aligned: bool) -> Ints:
-    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strips`."""
+    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strip_elimination`."""
     element, layout = group.element, group.layout
     about = f"{layout} {element} {aligned}"
-    return np.array(
-        [
-            lane_address(f"step {about}", lambda: rows.step(element, layout, aligned, tangent=True)),
-            lane_address(f"residual {about}", lambda: rows.step(element, layout, aligned, tangent=False)),
-            lane_address(f"audit {about}", lambda: rows.audit(element, layout, aligned)),
-            lane_address("eliminate", lambda: rows.eliminate(masked=False)),
-            lane_address("hold", lambda: rows.eliminate(masked=True)),
-            lane_address("forward", rows.forward),
-            lane_address("backward", rows.backward),
-            lane_address("measure", rows.measure),
-            lane_address("move", rows.move),
-            lane_address(f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
-            lane_address("finish", rows.finish),
-            lane_address("condense", lambda: rows.condense(masked=False)) if layout.nn > 2 else 0,
-            lane_address("condense hold", lambda: rows.condense(masked=True)) if layout.nn > 2 else 0,
-            lane_address("inside", rows.inside) if layout.nn > 2 else 0,
-        ],
-        np.int64,
-    )
+    three = layout.nn > 2
+    codes: list[tuple[str, Callable[[], Code]]] = [
+        (f"tangent {about}", lambda: rows.tangent(element, layout, aligned)),
+        (f"residual {about}", lambda: rows.step(element, layout, aligned)),
+        (f"audit {about}", lambda: rows.audit(element, layout, aligned)),
+        ("pivot", lambda: rows.pivot(masked=False, inner=True)),
+        ("hold", lambda: rows.pivot(masked=True, inner=True)),
+        ("pass on", lambda: rows.pass_on(inner=True)),
+        ("forward", rows.forward),
+        ("backward", rows.backward),
+        ("measure", rows.measure),
+        ("move", rows.move),
+        (f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
+        ("finish", rows.finish),
+        ("add", lambda: rows.product(1)),
+        ("less", lambda: rows.product(-1)),
+    ]
+    middle: list[tuple[str, Callable[[], Code]]] = [
+        ("middle", lambda: rows.pivot(masked=False, inner=False)),
+        ("middle hold", lambda: rows.pivot(masked=True, inner=False)),
+        ("middle on", lambda: rows.pass_on(inner=False)),
+        ("inside", rows.inside),
+    ]
+    addresses = [lane_address(*code) for code in [*codes, *(middle if three else [])]]
+    return np.array(addresses + [0] * (0 if three else len(middle)), np.int64)

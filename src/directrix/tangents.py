@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csc_matrix
 
 from directrix.kernels.elements import element_tangents
 from directrix.kernels.tables import Tables
 from directrix.newton import Newton
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,6 +41,8 @@ def group_tangents(
 
 def whole_tangent(newton: Newton, x: Array, tables: Tables | None = None) -> csc_matrix:
     """The symmetric part of the tangent (6 rows, 6 rows) of all elements, without loads that turn with their node."""
+    from scipy.sparse import coo_matrix, csc_matrix
+
     rows, columns, values = list[Ints](), list[Ints](), list[Array]()
     for k, group in enumerate(newton.disc.groups):
         ne, nn = group.conn.shape

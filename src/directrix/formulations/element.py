@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
-from directrix.kernels.jacobian import jacobian
+from directrix.kernels.jacobian import Factored, factored_jacobian, jacobian
 from directrix.kernels.trace import Graph, Sym, cross
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Element",
     "Jointed",
     "Lossy",
+    "factored_step_of",
     "record_acts",
     "record_audit",
     "record_commit",
@@ -112,8 +113,27 @@ def step_of(
     out, moving, turning = element.step(layout, x, p, g)
     size = 6 * layout.nn
     results, places = list(out), list(range(size))
+    for column, slopes in enumerate(jacobian(graph, out, _seeds(layout, moving, turning) if tangent else [])):
+        b, k = divmod(column, 6)
+        results += slopes
+        places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
+    return results, places
+
+
+def factored_step_of(
+    graph: Graph, element: Element, layout: Layout, x: Sequence[Sym], p: Sequence[Sym], g: Sequence[Sym]
+) -> tuple[list[Sym], Factored]:
+    """Forces, and the tangent with up to six values a stress point left in between, see :func:`factored_jacobian`."""
+    out, moving, turning = element.step(layout, x, p, g)
+    return out, factored_jacobian(graph, out, _seeds(layout, moving, turning), 6 * layout.points)
+
+
+def _seeds(
+    layout: Layout, moving: Sequence[Sequence[Vector]], turning: Sequence[Sequence[Vector]]
+) -> list[dict[Sym, Sym | float]]:
+    """The increments of an element: per node three that move, three that turn."""
     seeds: list[dict[Sym, Sym | float]] = []
-    for b in range(layout.nn) if tangent else ():
+    for b in range(layout.nn):
         adds = layout.last_adds and b == layout.nn - 1
         for k in range(6):
             if k < 3 or adds:
@@ -121,11 +141,7 @@ def step_of(
             else:
                 e = [1.0 if c == k - 3 else 0.0 for c in range(3)]
                 seeds.append({d[c]: turned for d in turning[b] for c, turned in enumerate(cross(e, d))})
-    for column, slopes in enumerate(jacobian(graph, out, seeds)):
-        b, k = divmod(column, 6)
-        results += slopes
-        places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
-    return results, places
+    return seeds
 
 
 def record_audit(element: Element, layout: Layout) -> Recorded:

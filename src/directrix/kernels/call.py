@@ -1,89 +1,75 @@
-"""Calling machine code by its address from compiled loops."""
-# pyright: basic
+"""Calling machine code by its address from compiled loops, and what loops do in vectors.
 
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+The address is a run-time value, so one compiled loop serves every element. All arrays are flat.
+"""
+# pyright: basic, reportCallIssue=false
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from directrix.kernels.expressions import Emitted, Expressions
+from directrix.kernels.kinds import Value
 
 __all__ = ["FACTORS", "add_block", "call_elimination", "call_kernel", "call_lanes"]
 
 FACTORS = 56  # what the elimination leaves of a row
 
 
-@intrinsic
-def call_kernel(typing_context, address, x, at, first_at, p, first_p, g, out):
-    """Run the element kernel at ``address`` on (x, at[first_at:], p[first_p:], g, out): ``at`` int64, the rest float.
-
-    The address is a run-time value, so one compiled and cached loop serves every element.
-    """
-
-    def codegen(context, builder, signature, args):
-        def data(k):
-            return context.make_array(signature.args[k])(context, builder, args[k]).data
-
-        double, whole = ir.DoubleType().as_pointer(), ir.IntType(64).as_pointer()
-        kernel = ir.FunctionType(ir.VoidType(), [double, whole, double, double, double]).as_pointer()
-        function = builder.inttoptr(args[0], kernel)
-        places, parameters = builder.gep(data(2), [args[3]]), builder.gep(data(4), [args[5]])
-        builder.call(function, [data(1), places, parameters, data(6), data(7)])
-        return context.get_dummy_value()
-
-    return types.none(types.int64, x, at, types.int64, p, types.int64, g, out), codegen
+def _from(body: Expressions, array: Value, first: Value | str) -> str:
+    """Address of a number of an array."""
+    place = first if isinstance(first, str) else first.parts[0]
+    item = "i64" if array.kind.item == "i8" else "double"
+    return body.put(f"getelementptr inbounds {item}, ptr {array.parts[0]}, i64 {place}")
 
 
-@intrinsic
-def call_elimination(typing_context, address, blocks, block, rhs, row, factors, factor):
-    """Run the elimination at ``address`` on blocks[block:], the factors before, rhs[row:] and factors[factor:]."""
-
-    def codegen(context, builder, signature, args):
-        def data(k):
-            return context.make_array(signature.args[k])(context, builder, args[k]).data
-
-        double = ir.DoubleType().as_pointer()
-        kernel = ir.FunctionType(ir.VoidType(), [double] * 4).as_pointer()
-        row, rhs, out = (builder.gep(data(k), [args[k + 1]]) for k in (1, 3, 5))
-        before = builder.gep(out, [ir.Constant(ir.IntType(64), -FACTORS)])
-        builder.call(builder.inttoptr(args[0], kernel), [row, before, rhs, out])
-        return context.get_dummy_value()
-
-    whole = types.int64
-    return types.none(whole, blocks, whole, rhs, whole, factors, whole), codegen
+def _run(body: Expressions, address: Value, pointers: Sequence[str]) -> None:
+    function = body.put(f"inttoptr i64 {address.parts[0]} to ptr")
+    body.lines.append(f"call void {function}({', '.join(f'ptr {p}' for p in pointers)})")
 
 
-@intrinsic
-def add_block(typing_context, to, at, values, first):
-    """to[at : at + 36] += values[first : first + 36], in vectors: the two arrays do not overlap."""
-
-    def codegen(context, builder, signature, args):
-        def vector(k, lanes, place):
-            array = context.make_array(signature.args[k])(context, builder, args[k]).data
-            start = builder.gep(array, [builder.add(args[k + 1], ir.Constant(ir.IntType(64), place))])
-            return builder.bitcast(start, ir.VectorType(ir.DoubleType(), lanes).as_pointer())
-
-        sums = []
-        for place, lanes in ((0, 8), (8, 8), (16, 8), (24, 8), (32, 4)):
-            target = vector(0, lanes, place)
-            value = builder.load(vector(2, lanes, place), align=8)
-            sums.append((builder.fadd(builder.load(target, align=8), value), target))
-        for value, target in sums:
-            builder.store(value, target, align=8)
-        return context.get_dummy_value()
-
-    return types.none(to, types.int64, values, types.int64), codegen
+def _kernel(body: Expressions, given: Sequence[Value]) -> None:
+    address, x, at, first_at, p, first_p, g, out = given
+    pointers = x.parts[0], _from(body, at, first_at), _from(body, p, first_p), g.parts[0], out.parts[0]
+    _run(body, address, pointers)
 
 
-@intrinsic
-def call_lanes(typing_context, address, arrays, first):
-    """Run the function at ``address`` (see :mod:`directrix.kernels.lanes`) on ``arrays[k][first[k]:]``, all flat."""
+call_kernel = Emitted(_kernel)
+"""(address, x, at, first_at, p, first_p, g, out): run an element kernel on (x, at[first_at:], p[first_p:], g, out)."""
 
-    def codegen(context, builder, signature, args):
-        pointers = []
-        for k, kind in enumerate(signature.args[1].types):
-            array = context.make_array(kind)(context, builder, builder.extract_value(args[1], k))
-            pointers.append(builder.gep(array.data, [builder.extract_value(args[2], k)]))
-        double = ir.DoubleType().as_pointer()
-        function = ir.FunctionType(ir.VoidType(), [double] * len(pointers)).as_pointer()
-        builder.call(builder.inttoptr(args[0], function), pointers)
-        return context.get_dummy_value()
 
-    return types.none(types.int64, arrays, types.UniTuple(types.int64, len(arrays))), codegen
+def _elimination(body: Expressions, given: Sequence[Value]) -> None:
+    address, blocks, block, rhs, row, factors, factor = given
+    out = _from(body, factors, factor)
+    before = body.put(f"getelementptr inbounds double, ptr {out}, i64 {-FACTORS}")
+    _run(body, address, (_from(body, blocks, block), before, _from(body, rhs, row), out))
+
+
+call_elimination = Emitted(_elimination)
+"""(address, blocks, block, rhs, row, factors, factor): run the elimination on blocks[block:], the factors before,
+rhs[row:] and factors[factor:]."""
+
+
+def _lanes(body: Expressions, given: Sequence[Value]) -> None:
+    _run(body, given[0], [_from(body, array, first) for array, first in zip(given[1::2], given[2::2], strict=True)])
+
+
+call_lanes = Emitted(_lanes)
+"""(address, array, first, array, first, …): run a function of :mod:`directrix.kernels.lanes` on each array[first:]."""
+
+
+def _add(body: Expressions, given: Sequence[Value]) -> None:
+    to, at, values, first = given
+    target, source = _from(body, to, at), _from(body, values, first)
+    sums: list[tuple[str, str, str]] = []
+    for place, lanes in ((0, 8), (8, 8), (16, 8), (24, 8), (32, 4)):
+        vector = f"<{lanes} x double>"
+        a, b = (body.put(f"getelementptr inbounds double, ptr {p}, i64 {place}") for p in (target, source))
+        x, y = (body.put(f"load {vector}, ptr {p}, align 8") for p in (a, b))
+        sums.append((vector, body.put(f"fadd {vector} {x}, {y}"), a))
+    for vector, total, a in sums:
+        body.lines.append(f"store {vector} {total}, ptr {a}, align 8")
+
+
+add_block = Emitted(_add)
+"""(to, at, values, first): to[at : at + 36] += values[first : first + 36], in vectors: the arrays do not overlap."""

@@ -152,10 +152,13 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: s
     return "\n".join([*declared, *lines, "ret void", "}"])
 
 
-def _object(text: str) -> bytes:
-    module = llvm.parse_assembly(text)
+def _object(text: str, loops: bool) -> bytes:
+    module, machine = llvm.parse_assembly(text), _machine()
     module.verify()
-    return _machine().emit_object(module)
+    if loops:  # what the element kernels are has nothing left to gain
+        builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+        builder.getModulePassManager().run(module, builder)
+    return machine.emit_object(module)
 
 
 @cache
@@ -187,8 +190,10 @@ def kernel_address(description: str, build: Callable[[], Recorded]) -> int:
     return text_address(description, lambda name: llvm_ir(*build(), name))
 
 
-def text_address(description: str, text: Callable[[str], str]) -> int:
-    """Address of the function that ``text(name)`` defines in LLVM's language, compiled at most once per machine."""
+def text_address(description: str, text: Callable[[str], str], loops: bool = False) -> int:
+    """Address of the function that ``text(name)`` defines in LLVM's language, compiled at most once per machine.
+
+    ``loops`` says that it is worth optimising before code is made of it."""
     digest = hashlib.sha256(_key() + description.encode()).hexdigest()
     name = f"k{digest[:24]}"
     if name in _addresses:
@@ -197,7 +202,7 @@ def text_address(description: str, text: Callable[[str], str]) -> int:
     try:
         code = path.read_bytes()
     except OSError:
-        code = _object(text(name))
+        code = _object(text(name), loops)
         _keep(path, code)
     # An engine a kernel: one that has finished with a kernel that calls exp or the like gives no address for the next.
     # The engine takes the machine it is given as its own.

@@ -1,7 +1,7 @@
 """The loops of the multifrontal solver: graph distances, equilibration, and what goes where in a front."""
 # pyright: basic, reportCallIssue=false
 
-import numpy as np
+import math
 
 from directrix.kernels.jit import compiled
 
@@ -29,12 +29,14 @@ def distances(rowptr, column, part, name, start, distance, queue):
 
 
 @compiled
-def equilibrate(rowptr, column, blocks, rounds):
-    """D (n, 6) that brings the largest entry of every column of D K D towards 1 (Ruiz 2001)."""
-    n = rowptr.shape[0] - 1
-    scale = np.ones((n, 6))
-    for _ in range(rounds):
-        largest = np.zeros((n, 6))
+def equilibrate(rowptr, column, blocks, rounds, scale, largest):
+    """Fill D = ``scale`` (n, 6), which brings the largest entry of every column of D K D towards 1 (Ruiz 2001).
+
+    ``largest`` (n, 6) is room to work in."""
+    n = scale.shape[0]
+    scale[:] = 1.0
+    for _round in range(rounds):
+        largest[:] = 0.0
         for row in range(n):
             for at in range(rowptr[row], rowptr[row + 1]):
                 c = column[at]
@@ -46,8 +48,7 @@ def equilibrate(rowptr, column, blocks, rounds):
         for row in range(n):
             for i in range(6):
                 if largest[row, i] > 0.0:
-                    scale[row, i] /= np.sqrt(largest[row, i])
-    return scale
+                    scale[row, i] /= math.sqrt(largest[row, i])
 
 
 @compiled
@@ -90,10 +91,9 @@ def extend(child, place, pivots, f11, f12, f21, f22):
 
 
 @compiled
-def residual(rowptr, column, blocks, scale, rhs, x):
-    """D (b − K x) for D = ``scale``; all (n, 6)."""
+def residual(rowptr, column, blocks, scale, rhs, x, out):
+    """Fill ``out`` with D (b − K x) for D = ``scale``; all (n, 6)."""
     n = rhs.shape[0]
-    out = np.empty((n, 6))
     for row in range(n):
         for i in range(6):
             value = rhs[row, i]
@@ -103,4 +103,3 @@ def residual(rowptr, column, blocks, scale, rhs, x):
                     for k in range(6):
                         value -= blocks[at, i, k] * x[c, k]
             out[row, i] = scale[row, i] * value
-    return out

@@ -40,12 +40,31 @@ class Code(NamedTuple):
     common: Sequence[str] = ()
     recorded: bool = False
     """Compute in the order of recording instead of that of the results."""
+    tile: int = 0
+    """So many results are computed and stored at a time, in the order of recording and with inputs read anew. Of an
+    array that is read and written, a tile must read none that was stored before it."""
+    may_be_one: Sequence[str] = ()
+    """Arrays of which some may be one and the same."""
+
+
+def in_time(graph: Graph, indices: Sequence[int]) -> list[int]:
+    """The order of recording, but inputs and numbers only when they are first used."""
+    out: list[int] = []
+    waiting = {index for index in indices if graph.ops[index][0] in ("in", "const")}
+    for index in sorted(set(indices) - waiting):
+        _, a, b = graph.ops[index]
+        for operand in (int(a), b):
+            if operand in waiting:
+                waiting.discard(operand)
+                out.append(operand)
+        out.append(index)
+    return [*out, *waiting]
 
 
 def lane_ir(code: Code, name: str) -> str:
     """LLVM text of a function."""
     graph, stores = code.graph, code.stores
-    arguments = ", ".join(f"ptr noalias %{array}" for array in code.arrays)
+    arguments = ", ".join(f"ptr {'' if a in code.may_be_one else 'noalias '}%{a}" for a in code.arrays)
     lines = [f"define void @{name}({arguments}) {{"]
     text: dict[int, str] = {}
     instruction = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
@@ -83,18 +102,29 @@ def lane_ir(code: Code, name: str) -> str:
         target = place(store.array, store.place)
         lines.append(f"store {VEC} {text[store.value.index]}, ptr {target}, align 8")
 
+    def compute(indices: Sequence[int]) -> None:
+        for index in indices:
+            text[index] = emit(index)
+
     order = needed(graph, [store.value for store in stores])
     both = {a for index in order for op, a, _ in [graph.ops[index]] if op == "in" and a in written}
-    done: set[int] = set()
+    done: set[int] = set()  # what is computed and kept
     if code.recorded:
-        for index in sorted(order):
-            text[index] = emit(index)
-    for store in stores:
-        for index in () if code.recorded else needed(graph, [store.value], done):
-            text[index] = emit(index)
+        compute(in_time(graph, order))
+    for first in range(0, len(stores), code.tile) if code.tile else ():
+        part = stores[first : first + code.tile]
+        text.clear()
+        compute(in_time(graph, needed(graph, [store.value for store in part])))
+        for store in part:
+            save(store)
+    for store in () if code.tile else stores:
+        if not code.recorded:
+            compute(needed(graph, [store.value], done))
+            # inputs are read again for the next result: kept, they would be written to the stack and read from there
+            done -= {index for index in done if graph.ops[index][0] == "in"}
         if store.array not in both:
             save(store)
-    for store in stores:
+    for store in () if code.tile else stores:
         if store.array in both:
             save(store)
     used = {op for op, _, _ in graph.ops} & {*FUNCTIONS, "abs"}

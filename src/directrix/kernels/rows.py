@@ -14,18 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from directrix.formulations.element import COMMON, Element, step_of
+from directrix.formulations.element import COMMON, Element, factored_step_of, step_of
 from directrix.formulations.layout import PER_NODE, Layout, Scalar
 from directrix.kernels.lanes import Code, Store
 from directrix.kernels.trace import Graph, Sym, cross, dot
 
 __all__ = [
-    "CARRY", "NODE", "ROW", "audit", "backward", "condense", "eliminate", "finish", "forward", "inside", "measure",
-    "move", "residual", "step",
+    "CARRY", "NODE", "ROW", "audit", "backward", "block", "finish", "forward", "inside", "measure", "move", "pass_on",
+    "pivot", "product", "residual", "step", "tangent",
 ]  # fmt: skip
 
 NODE = 36  # values of a node: (r1, R1), (Δr, R0), rates
-ROW = 186  # D⁻¹, L, G, P, Q by rows, y
+ROW = 186  # −D⁻¹, L, G, P, Q by rows, y
 CARRY = 162  # D, F, G by rows, b, K_00, b_0
 
 Matrix = list[list[Scalar]]
@@ -87,77 +87,85 @@ def _held(
     return own, f, u, [m * v for m, v in zip(free, b, strict=True)]
 
 
-def eliminate(masked: bool) -> Code:
-    """One inner node: ``out`` of the element behind it, ``load`` (6) on it, ``free`` (6) where it is not held."""
+def product(sign: int) -> Code:
+    """c = start ± a b of 6×6 matrices; ``start`` may be ``c``. One small function for all products: what is straight
+    line in one piece does not stay in the instruction cache."""
     graph = Graph()
-    out, carry, load = graph.inputs("out", 156), graph.inputs("carry", CARRY), graph.inputs("load", 6)
-    k = _blocks(out, 2)
-    aa, ba, ab, bb = k[0, 0], k[1, 0], k[0, 1], k[1, 1]
-    d, f, g = (_matrix(carry[36 * k : 36 * k + 36]) for k in range(3))
-    d = [[p + q for p, q in zip(*rows, strict=True)] for rows in zip(d, aa, strict=True)]
-    b = [carry[108 + i] + (load[i] - out[i]) for i in range(6)]
+    a, b, start = (_matrix(graph.inputs(name, 36)) for name in ("a", "b", "start"))
+    stores: list[Store] = []
+    for i0 in range(0, 6, 3):
+        for j0 in range(0, 6, 3):
+            columns, part = [row[j0 : j0 + 3] for row in b], [row[j0 : j0 + 3] for row in start[i0 : i0 + 3]]
+            tile = times(a[i0 : i0 + 3], columns, part, sign)
+            stores += [Store("c", 6 * (i0 + i) + j0 + j, tile[i][j]) for i in range(3) for j in range(3)]
+    return Code(graph, ("a", "b", "start", "c"), stores, tile=9, may_be_one=("start", "c"))
+
+
+def pivot(masked: bool, inner: bool) -> Code:
+    """−D⁻¹, L, y of a row. For an inner node D and b go on from ``carry`` and ``out`` is the element behind it; for the
+    middle node of an element of three they are from ``out`` alone, and G is as well.
+
+    ``masked``: ``free`` (6) is 0 where the node is held. U and F, which the caller multiplies, are then masked in
+    place: in ``out`` and ``carry``, or both in ``out``.
+    """
+    graph = Graph()
+    out = graph.inputs("out", 156 if inner else 342)
+    k = _blocks(out, 2 if inner else 3)
+    load = graph.inputs("load", 6)
+    if inner:
+        carry = graph.inputs("carry", 114)
+        d = [[p + q for p, q in zip(*rows, strict=True)] for rows in zip(_matrix(carry[:36]), k[0, 0], strict=True)]
+        b = [carry[108 + i] + (load[i] - out[i]) for i in range(6)]
+        f, u, low = _matrix(carry[36:72]), k[0, 1], k[1, 0]
+    else:
+        d, f, u, low = k[1, 1], k[1, 0], k[1, 2], k[2, 1]
+        b = [p - q for p, q in zip(load, out[6:12], strict=True)]
+    stores: list[Store] = []
     if masked:
-        free = graph.inputs("free", 6)
-        d, f, ab, b = _held(free, d, f, ab, b)
+        d, f, u, b = _held(graph.inputs("free", 6), d, f, u, b)
+        to_u, to_f = ("out", block(2, 0, 1) if inner else block(3, 1, 2)), ("out", block(3, 1, 0))
+        for (array, at), matrix in ((to_u, u), (("carry", 36) if inner else to_f, f)):
+            stores += [Store(array, at + i, v) for i, v in enumerate(_flat(matrix))]
     di = inverse(d)
-    p, q, y = times(di, ab), times(di, f), times(di, _column(b))
-    stores = [Store("row", k, v) for k, v in enumerate([*_flat(di), *_flat(ba), *_flat(g), *_flat(p), *_flat(q)])]
-    stores += [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
-    after = [
-        *_flat(times(ba, p, bb, -1)),
-        *_flat([[-v for v in row] for row in times(ba, q)]),
-        *_flat([[-v for v in row] for row in times(g, p)]),
-        *_flat(times(ba, y, _column([-v for v in out[6:12]]), -1)),
-        *_flat(times(g, q, _matrix(carry[120:156]), -1)),
-        *_flat(times(g, y, _column(carry[156:162]), -1)),
-    ]
-    # b lies between G and K_00 in the carry: 108 … 113, K_00 from 120 on
-    places = [*range(114), *range(120, 162)]
-    stores += [Store("carry", k, v) for k, v in zip(places, after, strict=True)]
-    arrays = ("out", "carry", "load", "row", *(("free",) if masked else ()))
+    row = [*(-v for v in _flat(di)), *_flat(low), *([] if inner else _flat(k[0, 1]))]
+    stores += [Store("row", i, v) for i, v in enumerate(row)]
+    stores += [Store("row", 180 + i, v) for i, v in enumerate(_flat(times(di, _column(b))))]
+    arrays = ("out", *(("carry",) if inner else ()), "load", "row", *(("free",) if masked else ()))
     return Code(graph, arrays, stores, recorded=True)
 
 
-def _blocks(out: Sequence[Scalar], nn: int) -> dict[tuple[int, int], Matrix]:
-    """∂(force on a)/∂(increment of b) by (a, b), from the results of an element of ``nn`` nodes."""
-    at = {(a, b): 6 * nn + 36 * (nn * b + a) for a in range(nn) for b in range(nn)}
-    return {key: _matrix(out[first : first + 36]) for key, first in at.items()}
-
-
-def condense(masked: bool) -> Code:
-    """The middle node of an element of three nodes: what is left in ``small`` is an element of two.
-
-    Its ``row`` is that of an inner node with the last node as the next and the first as the first.
-    """
+def pass_on(inner: bool) -> Code:
+    """What y of a ``row`` leaves on the next node and on the first: into ``carry``, or into the forces ``small``."""
     graph = Graph()
-    out, load = graph.inputs("out", 342), graph.inputs("load", 6)
-    k = _blocks(out, 3)
-    d, to_first, to_last = k[1, 1], k[1, 0], k[1, 2]
-    b = [p - f for p, f in zip(load, out[6:12], strict=True)]
-    if masked:
-        free = graph.inputs("free", 6)
-        d, to_first, to_last, b = _held(free, d, to_first, to_last, b)
-    di = inverse(d)
-    p, q, y = times(di, to_last), times(di, to_first), times(di, _column(b))
-    row = [*_flat(di), *_flat(k[2, 1]), *_flat(k[0, 1]), *_flat(p), *_flat(q), *_flat(y)]
-    small = [
-        *_flat(times(k[0, 1], y, _column(out[:6]))),
-        *_flat(times(k[2, 1], y, _column(out[12:]))),
-        *_flat(times(k[0, 1], q, k[0, 0], -1)),
-        *_flat(times(k[2, 1], q, k[2, 0], -1)),
-        *_flat(times(k[0, 1], p, k[0, 2], -1)),
-        *_flat(times(k[2, 1], p, k[2, 2], -1)),
-    ]
-    stores = [*(Store("row", i, v) for i, v in enumerate(row)), *(Store("small", i, v) for i, v in enumerate(small))]
-    return Code(graph, ("out", "load", "row", "small", *(("free",) if masked else ())), stores, recorded=True)
+    row, out = graph.inputs("row", ROW), graph.inputs("out", 12 if inner else 18)
+    low, g, y = _matrix(row[36:72]), _matrix(row[72:108]), _column(row[180:186])
+    if inner:
+        first = graph.inputs("carry", CARRY)[156:162]
+        after = _flat(times(low, y, _column([-v for v in out[6:12]]), -1))
+        stores = [Store("carry", 108 + i, v) for i, v in enumerate(after)]
+        stores += [Store("carry", 156 + i, v) for i, v in enumerate(_flat(times(g, y, _column(first), -1)))]
+        return Code(graph, ("row", "out", "carry"), stores, recorded=True)
+    ends = [*_flat(times(g, y, _column(out[:6]))), *_flat(times(low, y, _column(out[12:])))]
+    return Code(graph, ("row", "out", "small"), [Store("small", i, v) for i, v in enumerate(ends)], recorded=True)
+
+
+def block(nn: int, a: int, b: int) -> int:
+    """Where ∂(force on a)/∂(increment of b) begins in the results of an element of ``nn`` nodes."""
+    return 6 * nn + 36 * (nn * b + a)
+
+
+def _blocks(out: Sequence[Scalar], nn: int) -> dict[tuple[int, int], Matrix]:
+    """The blocks of the tangent by (a, b)."""
+    places = {(a, b): block(nn, a, b) for a in range(nn) for b in range(nn)}
+    return {key: _matrix(out[first : first + 36]) for key, first in places.items()}
 
 
 def inside() -> Code:
     """A new right-hand side ``res`` (18) of an element of three nodes through the row of its middle node."""
     graph = Graph()
     row, res = graph.inputs("row", ROW), graph.inputs("res", 18)
-    di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
-    y = times(di, _column(res[6:12]))
+    minus_di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
+    y = times(minus_di, _column(res[6:12]), sign=-1)
     ends = [*_flat(times(g, y, _column(res[:6]), -1)), *_flat(times(l, y, _column(res[12:]), -1))]
     stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
     stores += [Store("res", k, v) for k, v in zip([*range(6), *range(12, 18)], ends, strict=True)]
@@ -168,8 +176,8 @@ def forward() -> Code:
     """A new right-hand side ``res`` (6) through a row that is eliminated already."""
     graph = Graph()
     row, res, carry = graph.inputs("row", ROW), graph.inputs("res", 6), graph.inputs("carry", CARRY)
-    di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
-    y = times(di, _column([r + c for r, c in zip(res, carry[108:114], strict=True)]))
+    minus_di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
+    y = times(minus_di, _column([r + c for r, c in zip(res, carry[108:114], strict=True)]), sign=-1)
     after = [*(-v for v in _flat(times(l, y))), *_flat(times(g, y, _column(carry[156:162]), -1))]
     stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
     stores += [Store("carry", k, v) for k, v in zip([*range(108, 114), *range(156, 162)], after, strict=True)]
@@ -274,12 +282,37 @@ def finish() -> Code:
     return Code(graph, ("x", "load", "res", "free", "own", "g", "sums"), stores, ("g",))
 
 
-def step(element: Element, layout: Layout, aligned: bool, tangent: bool) -> Code:
-    """An element on nodes in lanes: as ``record_step``."""
+def step(element: Element, layout: Layout, aligned: bool) -> Code:
+    """Forces of an element on nodes in lanes, alone, as ``record_step`` has them."""
     graph, x, p, g = _element_inputs(layout, aligned)
-    results, places = step_of(graph, element, layout, x, p, g, tangent)
+    results, places = step_of(graph, element, layout, x, p, g, tangent=False)
     stores = [Store("out", k, v) for k, v in zip(places, results, strict=True)]
     return Code(graph, ("x", "p", "g", "out"), stores, ("g",))
+
+
+def tangent(element: Element, layout: Layout, aligned: bool) -> Code:
+    """Forces of an element and its tangent, of which products of matrices are left to the caller.
+
+    Behind forces and blocks as ``record_step`` has them, for each stress point: the left blocks of all nodes, then the
+    right ones. Each left one times each right one is to be added to the block of their nodes.
+    """
+    graph, x, p, g = _element_inputs(layout, aligned)
+    forces, factored = factored_step_of(graph, element, layout, x, p, g)
+    nn, zero = layout.nn, graph.const(0.0)
+    size = 6 * nn
+    stores: list[Store] = []
+    blocks = [Store("out", k, v) for k, v in enumerate(forces)]
+    for column, slopes in enumerate(factored.direct):
+        b, k = divmod(column, 6)
+        blocks += [Store("out", size + 36 * (nn * b + i // 6) + 6 * (i % 6) + k, v) for i, v in enumerate(slopes)]
+    first = size + 36 * nn * nn
+    for k in range(6 * layout.points):
+        there = k < len(factored.left)
+        left, right = (factored.left[k], factored.right[k]) if there else ([zero] * size, [zero] * size)
+        at = first + 72 * nn * (k // 6)
+        stores += [Store("out", at + 36 * (i // 6) + 6 * (i % 6) + k % 6, v) for i, v in enumerate(left)]
+        stores += [Store("out", at + 36 * (nn + i // 6) + 6 * (k % 6) + i % 6, v) for i, v in enumerate(right)]
+    return Code(graph, ("x", "p", "g", "out"), [*stores, *blocks], ("g",))
 
 
 def audit(element: Element, layout: Layout, aligned: bool) -> Code:

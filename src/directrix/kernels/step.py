@@ -279,7 +279,9 @@ def finish(tables, work, x, g, before, mask, totals, strains):
     driven, prescribed = acts(tables, work, x, g)
     done, at_supports = done + driven, at_supports + prescribed
     if tables.carried:
-        x[:nodes, 24:36] = 0.0
+        for node in range(nodes):
+            for i in range(24, 36):
+                x[node, i] = 0.0
     else:
         commit(tables, work, x, g)
     for i in range(3):

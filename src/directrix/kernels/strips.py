@@ -12,20 +12,29 @@ from directrix.kernels.call import call_lanes
 from directrix.kernels.chain import solve_chain
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
-from directrix.kernels.rows import NODE, ROW
+from directrix.kernels.rows import NODE
+from directrix.kernels.strip_elimination import (
+    AUDIT,
+    BACKWARD,
+    BALANCE,
+    FINISH,
+    MEASURE,
+    MOVE,
+    RESIDUAL,
+    SIX,
+    R,
+    X,
+    eliminate_strip,
+    pass_again,
+)
 
 __all__ = ["pack", "run", "unpack"]
 
-(
-    STEP, RESIDUAL, AUDIT, ELIMINATE, HOLD, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, CONDENSE, CONDENSE_HOLD,
-    INSIDE,
-) = range(14)  # fmt: skip
-SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
-ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD = 0, 1, 2, 5, 8, 16, 17
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS = 0, 1, 2, 5, 8, 16, 17, 18
 
 
 @inner
@@ -33,54 +42,6 @@ def _zero(values):
     """All of a flat array; here and elsewhere loops in place of slices that are assigned, which are slow to compile."""
     for k in range(values.shape[0]):
         values[k] = 0.0
-
-
-@inner
-def _tangent(code, s, g, frozen):
-    """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
-    small = s.small
-    for e in range(s.elements):
-        at = e * s.stride
-        call_lanes(code[STEP], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
-        if s.stride == 2:
-            middle = (at + 1) * SIX
-            if frozen:
-                call_lanes(
-                    code[CONDENSE_HOLD], (s.out, s.load, s.within, small, s.still), (0, middle, e * R, 0, middle)
-                )
-            else:
-                call_lanes(code[CONDENSE], (s.out, s.load, s.within, small), (0, middle, e * R, 0))
-        if e == 0:
-            # D, F, G of the next node are BB, BA, AB; b the force on it
-            for k in range(36 * LANES):
-                s.carry[k] = small[120 * LANES + k]
-                s.carry[36 * LANES + k] = small[48 * LANES + k]
-                s.carry[72 * LANES + k] = small[84 * LANES + k]
-                s.carry[120 * LANES + k] = small[12 * LANES + k]
-            for k in range(SIX):
-                s.carry[108 * LANES + k] = -small[SIX + k]
-                s.carry[156 * LANES + k] = -small[k]
-        elif frozen:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.still), (0, 0, at * SIX, e * R, at * SIX))
-        elif s.held[e]:
-            call_lanes(code[HOLD], (small, s.carry, s.load, s.row, s.free), (0, 0, at * SIX, e * R, at * SIX))
-        else:
-            call_lanes(code[ELIMINATE], (small, s.carry, s.load, s.row), (0, 0, at * SIX, e * R))
-
-
-@inner
-def _again(code, s):
-    """``s.res`` through the rows that are there."""
-    last = s.elements * s.stride * SIX
-    for e in range(s.elements if s.stride == 2 else 0):
-        call_lanes(code[INSIDE], (s.within, s.res), (e * R, 2 * e * SIX))
-    for k in range(SIX):
-        s.carry[108 * LANES + k] = 0.0
-        s.carry[156 * LANES + k] = s.res[k]
-    for e in range(1, s.elements):
-        call_lanes(code[FORWARD], (s.row, s.res, s.carry), (e * R, e * s.stride * SIX, 0))
-    for k in range(SIX):
-        s.carry[108 * LANES + k] += s.res[last + k]
 
 
 @inner
@@ -141,21 +102,19 @@ def _back(code, s, first, w):
             s.du[last + i * LANES + lane] = w.du[a + 1, i] if s.lanes else 0.0
     if s.lanes == 0:
         return
-    call_lanes(code[MEASURE], (s.du, w.size), (0, 0))
-    call_lanes(code[MEASURE], (s.du, w.size), (last, 0))
+    call_lanes(code[MEASURE], s.du, 0, w.size, 0)
+    call_lanes(code[MEASURE], s.du, last, w.size, 0)
     for e in range(s.elements - 1, 0, -1):
-        call_lanes(code[BACKWARD], (s.row, s.du, s.du, s.du, w.size), (e * R, (e + 1) * step, 0, e * step, 0))
+        call_lanes(code[BACKWARD], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
         at = e * step
-        call_lanes(
-            code[BACKWARD], (s.within, s.du, s.du, s.du, w.size), (e * R, at + step, at, at + SIX, 0)
-        )  # fmt: skip
+        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip
 
 
 @inner
 def _move(code, s, scale):
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
-        call_lanes(code[MOVE], (s.x, s.du, scale), (node * X, node * SIX, 0))
+        call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
 
 
 @inner
@@ -167,15 +126,15 @@ def _balance(code, s, first, g, w):
         s.f[k] = 0.0
     for e in range(s.elements):
         at = e * s.stride
-        call_lanes(code[RESIDUAL], (s.x, s.p, g, s.out), (at * X, e * s.parameters * LANES, 0, 0))
+        call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
         if e == 0:
             for lane in range(s.lanes):
                 for i in range(6):
                     w.res[first + lane, i] -= s.out[i * LANES + lane]
-            call_lanes(code[BALANCE], (s.out, s.f, s.first_load, s.first_free, s.res, w.most), (0, 0, 0, 0, 0, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, w.most, 0)
         else:
             to = at * SIX
-            call_lanes(code[BALANCE], (s.out, s.f, s.load, s.free, s.res, w.most), (0, 0, to, to, to, 0))
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
     for lane in range(s.lanes):
         for i in range(6):
             w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
@@ -221,21 +180,23 @@ def _ends(s, first, w, own):
 
 @inner
 def _iterate(code, main, rest, g, w, options):
-    """Newton's iteration; the number of increments, or 0 when the general solver has to take the step."""
+    """Newton's iteration; the number of increments, 0 when the general solver has to take the step;
+    and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
     frozen = again = False
-    before = 0.0
+    before, tangents = 0.0, 0
     for iteration in range(1, allowed + 1):
+        tangents += 0 if again else 1
         for part in range(2 if rest.lanes else 1):
             s = main if part == 0 else rest
             if again:
                 _ends(s, part * main.lanes, w, False)
-                _again(code, s)
+                pass_again(code, s)
             else:
-                _tangent(code, s, g, frozen)
+                eliminate_strip(code, s, g, frozen)
         moved, turned, finite = _solve(code, main, rest, w, frozen, again)
         if not finite:
-            return 0
+            return 0, tangents
         w.scale[0] = 1.0 if turned <= limit else limit / turned
         for part in range(2):
             _move(code, main if part == 0 else rest, w.scale)
@@ -254,10 +215,10 @@ def _iterate(code, main, rest, g, w, options):
         if again:
             worst = _imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
-                return iteration
+                return iteration, tangents
             if not worst < 1e300:
-                return 0
-    return 0
+                return 0, tangents
+    return 0, tangents
 
 
 @inner
@@ -279,36 +240,35 @@ def _close(code, s, g, w):
     """Books of the step, and x1 becomes x0."""
     for node in range(s.elements * s.stride + 1 if s.lanes else 0):
         call_lanes(
-            code[FINISH], (s.x, s.load, s.res, s.free, s.own, g, w.sums),
-            (node * X, node * SIX, node * SIX, node * SIX, node * LANES, 0, 0),
+            code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
+            g, 0, w.sums, 0,
         )  # fmt: skip
     _zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
-            code[AUDIT],
-            (s.x, s.p, w.books, s.turn, w.loss),
-            (e * s.stride * X, e * s.parameters * LANES, 0, e * LANES, 0),
+            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
         )
 
 
 @compiled
 def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, 18), as long as they converge; how many did.
+    """Take steps, one a row of ``results`` (steps, 19), as long as they converge; how many did.
 
     A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality, Σ |support force|². When a step does not converge the state is that at its start.
+    orthonormality, Σ |support force|², how many iterations had a new tangent. When a step does not converge the state
+    is that at its start.
     """
     for k in range(results.shape[0]):
         for part in range(2):
             _keep(main if part == 0 else rest, False)
-        iterations = _iterate(code, main, rest, g, w, options)
+        iterations, tangents = _iterate(code, main, rest, g, w, options)
         if iterations == 0:
             for part in range(2):
                 _keep(main if part == 0 else rest, True)
             return k
         row = results[k]
         _zero(row)
-        row[ITERATIONS] = iterations
+        row[ITERATIONS], row[TANGENTS] = iterations, tangents
         _zero(w.sums)
         _zero(w.loss)
         for part in range(2):

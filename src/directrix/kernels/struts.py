@@ -71,7 +71,9 @@ def reduce(strut, rows, own, before, after, joints, dest, blocks, rhs, small, sm
                 w[i, 18] = b[i]
             if not _gauss_jordan(w, 19):
                 return False
-            kept[j] = w[:, 6:]
+            for i in range(6):
+                for c in range(13):
+                    kept[j, i, c] = w[i, 6 + c]
             _less(small[dest[s, 0]], g, w, 12, 6)
             for i in range(6):
                 for k in range(6):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from directrix.formulations.layout import HISTORY, PER_NODE, symmetric_times
 from directrix.groups import Group
 from directrix.kernels.compile import LANES, kernel_address, padded
 from directrix.kernels.elimination import elimination_address
+from directrix.kernels.record import Record
 from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
@@ -33,7 +34,7 @@ Ints = NDArray[np.int64]
 __all__ = ["Tables", "Work", "in_lanes", "tables_for", "work_for"]
 
 
-class Tables(NamedTuple):
+class Tables(Record):
     """What never changes in a run. ``head`` has one row a group, see the names in ``elements``."""
 
     chain: int
@@ -61,7 +62,7 @@ class Tables(NamedTuple):
     numerical: int
 
 
-class Work(NamedTuple):
+class Work(Record):
     """What the loops write: overwritten by every call."""
 
     internal: Array

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.kernels import fronts, struts
+from directrix.kernels import struts
+from directrix.linear.blocks import Blocks
 from directrix.linear.conformance import LinearSolver
 from directrix.linear.multifrontal import Multifrontal
 from directrix.linear.sparse import BlockSparse
@@ -114,9 +115,8 @@ class Condensed:
         x = np.zeros_like(rhs)
         x[self.junctions] = at_junctions
         struts.back(self.strut, self.rows, self.ends, self.kept, x)
-        scale = fronts.equilibrate(self.rowptr, self.column, blocks, 3)
-        off = fronts.residual(self.rowptr, self.column, blocks, scale, rhs, x)
-        return x if np.linalg.norm(off) <= 1e-8 * np.linalg.norm(scale * rhs) else None
+        whole = Blocks(self.rowptr, self.column, blocks)
+        return x if whole.solved(rhs, whole.off(rhs, x)) else None
 
 
 def _pairs(pairs: Iterable[tuple[int, int]]) -> Ints:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from directrix.kernels import fronts as kernel
+from directrix.linear.blocks import Blocks
 from directrix.linear.dissection import Front, fronts
 from directrix.threads import Share, crew, in_turn
 
@@ -64,17 +65,18 @@ class Multifrontal:
 
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where pivots inside the fronts are not enough."""
-        scale = kernel.equilibrate(self.rowptr, self.column, blocks, 3)
+        whole = Blocks(self.rowptr, self.column, blocks)
+        scale = whole.scale
         try:
-            factors = self._factors(blocks, scale)
+            factors = self._factors(whole.blocks, scale)
         except _VanishingPivotError:
             return None
         off = scale * rhs
-        x, allowed = np.zeros_like(off), 1e-8 * np.linalg.norm(off)
+        x = np.zeros_like(off)
         for _ in range(REFINEMENTS + 1):
             x += scale * self._substituted(factors, off)
-            off = kernel.residual(self.rowptr, self.column, blocks, scale, rhs, x)
-            if np.linalg.norm(off) <= allowed:
+            off = whole.off(rhs, x)
+            if whole.solved(rhs, off):
                 return x
         return None
 

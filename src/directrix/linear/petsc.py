@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from directrix.checks import choice, number, shown
 from directrix.errors import ModelError
-from directrix.kernels import fronts as kernel
+from directrix.linear.blocks import Blocks
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -152,14 +152,15 @@ class PetscSolver:
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where PETSc finds none."""
         lib = self._lib
-        scale = kernel.equilibrate(self.rowptr, self.column, blocks, 3)
+        whole = Blocks(self.rowptr, self.column, blocks)
+        scale = whole.scale
         values = scale[self.rows][:, :, None] * blocks[self.entries] * scale[self.columns][:, None, :]
         self.matrix.setValuesCSR(*self.csr, values.reshape(-1)[self.order])
         self.matrix.assemble()
         if self.how.method == "gamg":
             self._tell_motions(scale)
         off = scale * rhs
-        x, allowed = np.zeros_like(off), 1e-8 * np.linalg.norm(off)
+        x = np.zeros_like(off)
         for _ in range(3):
             self.b.setArray(off[self.first : self.last].ravel())
             try:
@@ -170,8 +171,8 @@ class PetscSolver:
                 return None
             self.spread.scatter(self.x, self.all, addv=lib.InsertMode.INSERT, mode=lib.ScatterMode.FORWARD)
             x += scale * self.all.getArray().reshape(rhs.shape)
-            off = kernel.residual(self.rowptr, self.column, blocks, scale, rhs, x)
-            if np.linalg.norm(off) <= allowed:
+            off = whole.off(rhs, x)
+            if whole.solved(rhs, off):
                 return x
         return None
 

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,6 +30,8 @@ class BlockSparse:
     """
 
     def __init__(self, rowptr: Ints, column: Ints) -> None:
+        from scipy.sparse import csc_matrix
+
         n = len(rowptr) - 1
         self.size = 6 * n
         block_row = np.repeat(np.arange(n), np.diff(rowptr))
@@ -55,6 +55,8 @@ class BlockSparse:
         ``at_limit`` says that K may be as good as singular, where only the direction of x counts: its residual is then
         compared with |K||x| too.
         """
+        from scipy.sparse import csc_matrix
+
         data = blocks.ravel()[self._entries]
         scale = self._scale(data)
         data = data * scale[self._indices] * scale[self._columns]
@@ -85,5 +87,7 @@ class BlockSparse:
 
 
 def _factor(matrix: Any, spec: str, pivot: float = 1e-3) -> Any:
+    from scipy.sparse.linalg import splu
+
     symmetric = pivot < 1.0
     return splu(matrix, permc_spec=spec, diag_pivot_thresh=pivot, options={"SymmetricMode": symmetric})

@@ -1,0 +1,51 @@
+"""Many arrays as one argument of compiled loops: a pointer to where they are."""
+# pyright: basic
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Self, dataclass_transform
+
+import numpy as np
+
+from directrix.kernels.kinds import Array, Fields
+
+__all__ = ["Record"]
+
+
+@dataclass_transform(frozen_default=True)
+class Record:
+    """Base of frozen values whose fields are C-contiguous arrays, ints, bools and floats.
+
+    In compiled loops fields are read as attributes, and arrays are written in place. Raises TypeError for an array that
+    is not contiguous.
+    """
+
+    kind: Fields
+    address: int
+    """Where the words of 64 bits are that compiled loops read: addresses and sizes of arrays, and numbers."""
+
+    def __init_subclass__(cls) -> None:
+        dataclasses.dataclass(frozen=True, eq=False)(cls)
+
+    def __post_init__(self) -> None:
+        kinds: list[tuple[str, Any]] = []
+        words: list[int] = []
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                if not value.flags.c_contiguous:
+                    raise TypeError(f"{field.name} of {type(self).__name__} is not contiguous")
+                kinds.append((field.name, Array(value.dtype.str[1:], value.ndim)))
+                words += [value.ctypes.data, *value.shape]
+            else:
+                real = isinstance(value, float)
+                kinds.append((field.name, "f" if real else "i"))
+                words.append(int(np.float64(value).view(np.int64)) if real else int(value))
+        kept = np.array(words, np.int64)
+        for name, value in (("kind", Fields.of(*kinds)), ("words", kept), ("address", kept.ctypes.data)):
+            object.__setattr__(self, name, value)
+
+    def replaced(self, **changes: Any) -> Self:
+        """The same with other values in some fields."""
+        return dataclasses.replace(self, **changes)  # type: ignore[type-var]
