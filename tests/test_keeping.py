@@ -163,7 +163,7 @@ def survived(folder: Path, patch: pytest.MonkeyPatch, every: int) -> int:
     runs = [(name, list(group)) for name, group in groupby(range(len(counted.calls)), key=counted.calls.__getitem__)]
     few = (group if len(group) < 10 else [*group[:2], group[len(group) // 2], group[-1]] for _, group in runs)
     places = [k for group in few for k in group][::every]
-    assert {counted.calls[k] for k in places} == {"write", "flush", "sync", "replace"}
+    assert {counted.calls[k] for k in places} == {"write", "flush", "sync", "replace"} or every > 1
     for place in places:
         for many in (1, 10**9):
             run = folder / f"{place} {many}"
