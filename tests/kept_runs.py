@@ -93,7 +93,11 @@ FEW: dict[str, Solve] = {
         dx.solve_static, column(), control=dx.ArcLength(ds=2.0, max_steps=24, load_factors=(1.5e4,)), save_every=2
     ),
     "load control": partial(dx.solve_static, bent(), 12, save_every=5),
-}
+    "steps that adapt": partial(
+        dx.simulate, flying(), 0.5, dx.Adaptive(tolerance=1e-4, first=0.01), integrator=dx.GeneralizedAlpha(0.8),
+        save_every=3,
+    ),
+}  # fmt: skip
 
 
 def every() -> dict[str, Solve]:
@@ -104,6 +108,8 @@ def every() -> dict[str, Solve]:
     for kind in (*test_joints.AXES, "spherical", "rigid"):
         model = test_joints.pushed(test_joints.joined(kind))
         found[f"a {kind} joint"] = simulated(model, 0.01, 24, save_every=5)
+    found["motion cut"] = simulated(flying().force("A", dx.ramp((0, 0, 9e4), 0.1, 0.2)), 0.1, 6, save_every=2)
+    found["instants that are asked for"] = partial(dx.simulate, flying(), 0.5, dx.Adaptive(1e-4, save_at=0.1))
     for name in ("midpoint", "generalized-alpha", "energy-dissipating"):
         found[f"joints under {name}"] = simulated(frame(0.0), 0.01, 24, integrator=INTEGRATORS[name])
     found |= {

@@ -293,6 +293,35 @@ def test_a_signal_ends_a_run_that_can_be_gone_on_with(
     assert code == 2 and "has finished" in said and "--until" in said
 
 
+def test_what_is_recorded_and_how_steps_adapt_go_on_too(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (case.parent / "line.csv").write_text("x,y,z\n0,0,0\n0.5,0,0\n1,0,0\n")
+    text = CASE.replace("line = [[0, 0, 0], [1, 0, 0]]", 'centreline = { file = "line.csv" }')
+    assert text != CASE
+    case.write_text(text + '[[record]]\nrod = "rod"\ns = 0.4\nname = "middle"\n')
+    adapt = "--adaptive", "1e-4"
+    assert command("run", case, *BLIND, *adapt, "--out", case.parent / "whole")[0] == 0
+    command_run = [str(a) for a in ("run", case, *BLIND, *adapt)]
+    keep, left = Keeper.keep, [2]
+
+    def bad(self: Keeper, *args: Any, **options: Any) -> None:
+        keep(self, *args, **options)
+        left[0] -= 1
+        if left[0] == 0:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Keeper, "keep", bad)
+        assert command(*command_run)[0] == 130
+    folder, whole = case.with_suffix(".run"), case.parent / "whole"
+    monkeypatch.chdir(folder)  # the case is not looked for where the command is
+    code, said = command("resume", folder, *BLIND)
+    assert code == 0, said
+    for name in ("result.vtkhdf", "monitor.csv", "record-middle.csv"):
+        assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
+    code, said = command("resume", folder, *BLIND, "--until", "2")
+    assert code == 2 and "adapt" in said
+
+
 def test_a_run_that_has_ended_goes_on_until_later(case: Path) -> None:
     assert command("run", case, *BLIND)[0] == 0
     folder = case.with_suffix(".run")

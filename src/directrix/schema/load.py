@@ -124,7 +124,7 @@ class Case:
         stepping(self.step, 0.0, do.t_end, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
 
-    def kept_in(self, path: Path, **options: bool) -> Folder:
+    def kept_in(self, path: pathlib.Path, **options: bool) -> Folder:
         """A folder to run it in, with checkpoints as the case asks for them."""
         from directrix.keeping import Folder
 
