@@ -119,11 +119,14 @@ class DynamicBooks:
             float(np.diag(rod.section.stiffness)[:3].max() * mesh.s[-1])
             for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         )
+        # what a rod at rest has by rounding: strains of 1e-15, over n equal steps √n times those of one
+        stiff = max((float(np.diag(rod.section.stiffness)[:3].max()) for rod in disc.model.rods), default=0.0)
+        self.rounded = 5e-15 / LIMIT * stiff
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
         self.taken, self.done = np.zeros(len(disc.sources.names)), np.zeros(len(disc.sources.names))
-        self.turnover = np.zeros(2)  # Σ|impulse|, Σ|angular impulse|
+        self.turnover = np.zeros(3)  # Σ|impulse|, Σ|angular impulse|, Σdt²
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
         self.waiting: list[tuple[Array, Array, Array, Array]] = []
@@ -167,7 +170,7 @@ class DynamicBooks:
         work = _on(self.settled[0], flow[:, 0] + flow[:, 1] + flow[:, 9])
         dissipated = _on(self.settled[1], flow[:, 8])
         impulse = _on(self.impulse, dt * flow[:, 2:8])
-        self.turnover = _on(self.turnover, dt * acting)[-1]
+        self.turnover = _on(self.turnover, np.column_stack([dt * acting, dt * dt]))[-1]
         energy = totals[:, 0] + totals[:, 1]
         terms = (totals[:, 0], totals[:, 1], np.abs(work), np.abs(dissipated))
         self.term = max(self.term, *(float(term.max()) for term in terms))
@@ -212,7 +215,11 @@ class DynamicBooks:
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
         self._settle()
-        momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[0])
+        momentum = max(
+            float(np.sqrt(2.0 * self.mass * self.kinetic)),
+            self.turnover[0],
+            self.rounded * float(np.sqrt(self.turnover[2])),
+        )
         scale = (
             max(self.term, self.least),
             momentum,
