@@ -1,4 +1,6 @@
 """directrix as a solver of cosseratbench."""
+# pyright: basic
+# (what cosseratbench hands over has no types where it is not installed)
 
 from __future__ import annotations
 

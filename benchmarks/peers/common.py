@@ -2,8 +2,8 @@
 
     python peer_NAME.py CASE N DT VARIANT
 
-prints one line of JSON (``Run``). Time is CPU time of the process inside the solver's own run; building the model, import and
-compiling (a short run goes first where there is any) are not in it.
+prints one line of JSON (``Run``). Time is CPU time of the process inside the solver's own run;
+building the model, import and compiling (a short run goes first where there is any) are not in it.
 """
 
 from __future__ import annotations

@@ -1,15 +1,19 @@
-"""Exudyn (Gerstmayr): variant "beam" is its geometrically exact beam (two nodes, Euler parameters), "cable" its ANCF cable (no torsion, no
-shear), "beam 0.9" the beam with spectral radius 0.9, "beam J=10" the spaghetti with 10 instead of 20 about its axis. Generalised α
-with spectral radius 1 otherwise, so nothing is damped on purpose; full Newton tolerances 1e-8 relative, 1e-10 absolute; sparse
-factors (Eigen), which is its advice for chains."""
+"""Exudyn (Gerstmayr): variant "beam" is its geometrically exact beam (two nodes, Euler parameters), "cable" its
+ANCF cable (no torsion, no shear), "beam 0.9" the beam with spectral radius 0.9, "beam J=10" the spaghetti with
+10 instead of 20 about its axis. Generalised α with spectral radius 1 otherwise, so nothing is damped on
+purpose; full Newton tolerances 1e-8 relative, 1e-10 absolute; sparse factors (Eigen), which is its advice for
+chains.
+"""
 
 from __future__ import annotations
 
+import itertools
+
 import common
 import exudyn as exu
+import exudyn.utilities as ex
 import numpy as np
 from common import Clock, Rod, Run
-from exudyn.utilities import *  # noqa: F403  (how its examples import it)
 
 OUT = exu.OutputVariableType
 
@@ -44,42 +48,46 @@ class Model:
         for x in np.linspace(a, b, n + 1):
             v = list((velocity or {}).get(tuple(np.round(x, 9)), (0, 0, 0)))
             if self.cable:
-                node = NodePointSlope1(referenceCoordinates=[*x, *axis], initialVelocities=[*v, 0, 0, 0])
+                node = ex.NodePointSlope1(referenceCoordinates=[*x, *axis], initialVelocities=[*v, 0, 0, 0])
             else:
-                turned = RotationMatrix2EulerParameters(frame)
-                node = NodeRigidBodyEP(referenceCoordinates=[*x, *turned], initialVelocities=[*v, 0, 0, 0, 0])
+                turned = ex.RotationMatrix2EulerParameters(frame)
+                node = ex.NodeRigidBodyEP(referenceCoordinates=[*x, *turned], initialVelocities=[*v, 0, 0, 0, 0])
             nodes.append(self.mbs.AddNode(node))
-        for i, j in zip(nodes, nodes[1:], strict=False):
+        for i, j in itertools.pairwise(nodes):
             r = self.rod
             if self.cable:
-                e = ObjectANCFCable(
+                e = ex.ObjectANCFCable(
                     nodeNumbers=[i, j], length=length, massPerLength=r.mass, bendingStiffness=r.EI, axialStiffness=r.EA
                 )
             else:
-                e = ObjectBeamGeometricallyExact(nodeNumbers=[i, j], length=length, sectionData=section(r, self.sphere))
+                e = ex.ObjectBeamGeometricallyExact(
+                    nodeNumbers=[i, j], length=length, sectionData=section(r, self.sphere)
+                )
             e = self.mbs.AddObject(e)
             self.elements.append((e, i, j, length))
             if self.gravity:
-                m = self.mbs.AddMarker(MarkerBodyMass(bodyNumber=e))
-                self.mbs.AddLoad(LoadMassProportional(markerNumber=m, loadVector=[0, 0, -self.gravity]))
+                m = self.mbs.AddMarker(ex.MarkerBodyMass(bodyNumber=e))
+                self.mbs.AddLoad(ex.LoadMassProportional(markerNumber=m, loadVector=[0, 0, -self.gravity]))
         return nodes
 
     def pin(self, node: int) -> None:
-        ground = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(NodePointGround()), coordinate=0))
+        ground = self.mbs.AddMarker(
+            ex.MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(ex.NodePointGround()), coordinate=0)
+        )
         for i in range(3):
-            m = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
-            self.mbs.AddObject(ObjectConnectorCoordinate(markerNumbers=[ground, m]))
+            m = self.mbs.AddMarker(ex.MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
+            self.mbs.AddObject(ex.ObjectConnectorCoordinate(markerNumbers=[ground, m]))
 
     def weld(self, one: int, other: int) -> None:
         """Rigid joint of two nodes in the same place, whatever their frames."""
         frames = []
         for n in (one, other):
-            frames.append(EulerParameters2RotationMatrix(np.array(self.mbs.GetNode(n)["referenceCoordinates"][3:])))
+            frames.append(ex.EulerParameters2RotationMatrix(np.array(self.mbs.GetNode(n)["referenceCoordinates"][3:])))
         markers = [
-            self.mbs.AddMarker(MarkerNodeRigid(nodeNumber=n, localHT=exu.HT(rotation=f.T)))
+            self.mbs.AddMarker(ex.MarkerNodeRigid(nodeNumber=n, localHT=exu.HT(rotation=f.T)))
             for n, f in zip((one, other), frames, strict=True)
         ]
-        self.mbs.AddObject(GenericJoint(markerNumbers=markers))
+        self.mbs.AddObject(ex.GenericJoint(markerNumbers=markers))
 
     def run(self, end: float, dt: float, clock: Clock) -> bool:
         if self.time == 0:
@@ -161,9 +169,9 @@ def solve(case: str, n: int, dt: float, variant: str, clock: Clock) -> Run:
     else:
         m = Model(common.SPAGHETTI, variant)
         nodes = m.chain(common.LOADED, common.OTHER, n)[::-1]
-        grip = m.mbs.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
-        m.mbs.AddLoad(LoadForceVector(markerNumber=grip, loadVectorUserFunction=_force))
-        m.mbs.AddLoad(LoadTorqueVector(markerNumber=grip, loadVectorUserFunction=_moment))
+        grip = m.mbs.AddMarker(ex.MarkerNodeRigid(nodeNumber=nodes[-1]))
+        m.mbs.AddLoad(ex.LoadForceVector(markerNumber=grip, loadVectorUserFunction=_force))
+        m.mbs.AddLoad(ex.LoadTorqueVector(markerNumber=grip, loadVectorUserFunction=_moment))
         done = m.run(common.RELEASE, dt, clock)
         before = m.energy()
         done = done and m.run(common.SPAGHETTI_END, dt, clock)

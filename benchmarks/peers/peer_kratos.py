@@ -1,8 +1,11 @@
-"""Kratos: CrBeamElement3D2N (corotational, lumped shear), Newmark (Bossak with α = 0), Newton until residual and increment are below
-1e-6 relative (28 iterations a step for 1e-8, 20 for 1e-6), sparse LU of Eigen, one thread."""
+"""Kratos: CrBeamElement3D2N (corotational, lumped shear), Newmark (Bossak with α = 0), Newton until residual and
+increment are below 1e-6 relative (28 iterations a step for 1e-8, 20 for 1e-6), sparse LU of Eigen, one thread.
+"""
+# ruff: noqa: N817
 
 from __future__ import annotations
 
+import itertools
 import os
 
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -47,7 +50,7 @@ class Model:
 
     @staticmethod
     def _area(rod: Rod) -> float:
-        """Area with ρ I the inertia asked for: I / A = inertia / mass, and I = EI A / EA, which a consistent rod fulfils of itself."""
+        """The rubber rod's own; any will do for what E A, E I and ρ A are."""
         return common.math.pi * common.RADIUS**2 if rod is common.SWING else 1.0
 
     def chain(self, a, b, n: int, first=None) -> list:
@@ -58,7 +61,7 @@ class Model:
                 continue
             self.count += 1
             nodes.append(self.part.CreateNewNode(self.count, *x.tolist()))
-        for i, j in zip(nodes, nodes[1:], strict=False):
+        for i, j in itertools.pairwise(nodes):
             tag = self.part.NumberOfElements() + 1
             self.part.CreateNewElement("CrBeamElement3D2N", tag, [i.Id, j.Id], self.properties)
         return nodes

@@ -1,6 +1,7 @@
-"""MuJoCo: its cable plugin (mujoco.elasticity.cable), a chain of rigid segments with ball joints between them; variant = its integrator.
-No stretch and no shear. The plugin's stiffness is explicit: where Δt is refused it is halved, and the step that went through counts.
-MuJoCo 4 has no such plugin any more, so it is the last 3.x."""
+"""MuJoCo: its cable plugin (mujoco.elasticity.cable), a chain of rigid segments with ball joints between them;
+variant = its integrator. No stretch and no shear. The plugin's stiffness is explicit: where Δt is refused it is
+halved, and the step that went through counts. MuJoCo 4 has no such plugin any more, so it is the last 3.x.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from scipy.spatial.transform import Rotation
 def build(n: int, dt: float, integrator: str) -> mujoco.MjModel:
     shear = common.YOUNG / (2 * (1 + common.POISSON))
     mass = common.SWING.mass / n
-    # the third vertex is moved by a ten-millionth of a segment: a straight cable has no first frame otherwise
+    # the third vertex is moved by 1e-7 of a segment: a straight cable has no first frame otherwise
     points = np.array([[i / n, 0.0, 1e-7 / n if i == 2 else 0.0] for i in range(n + 1)])
     return mujoco.MjModel.from_xml_string(f"""
 <mujoco>
@@ -25,7 +26,9 @@ def build(n: int, dt: float, integrator: str) -> mujoco.MjModel:
   <worldbody>
     <composite type="cable" prefix="r" initial="ball" vertex="{" ".join(map(repr, points.ravel().tolist()))}">
       <plugin plugin="mujoco.elasticity.cable">
-        <config key="twist" value="{shear}"/><config key="bend" value="{common.YOUNG}"/><config key="flat" value="true"/>
+        <config key="twist" value="{shear}"/>
+        <config key="bend" value="{common.YOUNG}"/>
+        <config key="flat" value="true"/>
       </plugin>
       <joint kind="main" damping="0" armature="0"/>
       <geom type="capsule" size="{common.RADIUS}" mass="{mass!r}"/>

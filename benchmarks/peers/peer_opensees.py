@@ -1,8 +1,11 @@
-"""OpenSees through openseespy: elasticBeamColumn (no shear) under the corotational transformation, masses lumped by the element, weight
-lumped at the nodes (element loads are refused there); Newmark ½, ¼; Newton to 1e-8 of the unbalance, banded LU with symmetric numbering (RCM)."""
+"""OpenSees through openseespy: elasticBeamColumn (no shear) under the corotational transformation, masses lumped
+by the element, weight lumped at the nodes (element loads are refused there); Newmark ½, ¼; Newton to 1e-8 of
+the unbalance, banded LU with symmetric numbering (RCM).
+"""
 
 from __future__ import annotations
 
+import itertools
 from importlib.metadata import version
 
 import common
@@ -29,7 +32,7 @@ def chain(rod: Rod, a, b, n: int, first: int = 1, start: int | None = None, velo
         nodes.append(tag)
         for d, v in enumerate((velocity or {}).get(tuple(np.round(x, 9)), ())):
             ops.setNodeVel(tag, d + 1, float(v), "-commit")
-    for k, (i, j) in enumerate(zip(nodes, nodes[1:], strict=False)):
+    for k, (i, j) in enumerate(itertools.pairwise(nodes)):
         args = (rod.EA, 1.0, 1.0, rod.GJ, rod.EI, rod.EI, first)  # A, E, G, J, Iy, Iz with E = G = 1
         ops.element("elasticBeamColumn", first + k, i, j, *args, "-mass", rod.mass)
     return nodes

@@ -1,5 +1,7 @@
-"""PyElastica: CosseratRod, explicit (PositionVerlet), undamped. Its step is bounded by the fastest wave through an element: variant is the
-fraction of min(Δs/c) taken; where that blows up it is halved, and the step that went through counts. Stiffness and inertia are set to the case's."""
+"""PyElastica: CosseratRod, explicit (PositionVerlet), undamped. Its step is bounded by the fastest wave through an
+element: variant is the fraction of min(Δs/c) taken; where that blows up it is halved, and the step that went
+through counts. Stiffness and inertia are set to the case's.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,8 @@ def rod_of(rod: Rod, a, b, n: int) -> ea.CosseratRod:
     side = np.eye(3)[np.argmin(abs(axis))]
     made = ea.CosseratRod.straight_rod(
         n, a, axis, np.cross(axis, side) / np.linalg.norm(np.cross(axis, side)), length,
-        np.sqrt(rod.inertia / rod.mass) * 2, rod.mass / (4 * np.pi * rod.inertia / rod.mass), youngs_modulus=1.0, shear_modulus=1.0,
+        np.sqrt(rod.inertia / rod.mass) * 2, rod.mass / (4 * np.pi * rod.inertia / rod.mass),
+        youngs_modulus=1.0, shear_modulus=1.0,
     )  # fmt: skip
     # radius and density such that mass and inertia are the rod's; stiffness is put in its place
     made.shear_matrix[:] = np.diag([rod.GA, rod.GA, rod.EA])[:, :, None]

@@ -1,11 +1,11 @@
 """directrix beside other programs: every peer in an environment of its own, on one core, directrix in turns with it.
 
-    python benchmarks/peers/run.py              # makes the environments, runs all, writes docs/peers.json and the tables in docs/peers.md
+    python benchmarks/peers/run.py              # makes the environments, runs all, writes docs/peers.{json,md}
     python benchmarks/peers/run.py --quick      # the smallest meshes, one round; prints, writes nothing
     python benchmarks/peers/run.py --only Exudyn --only MuJoCo
     python benchmarks/peers/run.py --tables     # only the tables again, from docs/peers.json
 
-Run it with the Python that directrix is installed in. Every run is a process of its own that ends after ``LIMIT`` seconds.
+Run it with the Python that directrix is installed in. Every run is a process of its own, ``LIMIT`` seconds at most.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import os
 import platform
 import subprocess
 import sys
+import tempfile
 import venv
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ import common
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
+ROUNDS = 3  # best of; one for a peer that takes more than 5 s or fails
 LIMIT = 100  # seconds a run may take
 Line = dict[str, Any]
 
@@ -40,7 +42,8 @@ class Peer:
 PEERS = {
     "Exudyn": Peer(
         "peer_exudyn.py", ("exudyn",), {
-            "swing": ((20, 1e-3, "cable"), (20, 1e-3, "beam"), (100, 1e-3, "cable"), (100, 1e-3, "beam"), (1000, 1e-3, "cable")),
+            "swing": ((20, 1e-3, "cable"), (20, 1e-3, "beam"), (100, 1e-3, "cable"), (100, 1e-3, "beam"),
+                      (1000, 1e-3, "cable")),
             "accuracy": ((20, 4e-3, "cable"), (60, 2e-3, "beam")),
             "flight": ((5, 0.2, "beam"), (5, 0.2, "beam 0.9")),
             "spaghetti": ((20, 0.1, "beam"), (20, 0.1, "beam J=10")),
@@ -55,7 +58,8 @@ PEERS = {
     "PyElastica": Peer(
         "peer_pyelastica.py", ("pyelastica",), {
             "swing": ((20, 1e-3, "1.0"), (100, 1e-3, "1.0")),
-            "accuracy": ((40, 1e-3, "1.0"), (100, 1e-3, "1.0")), "flight": ((5, 0.2, "1.0"),), "spaghetti": ((20, 0.1, "1.0"),),
+            "accuracy": ((40, 1e-3, "1.0"), (100, 1e-3, "1.0")),
+            "flight": ((5, 0.2, "1.0"),), "spaghetti": ((20, 0.1, "1.0"),),
         },
     ),
     "OpenSees": Peer(
@@ -65,7 +69,8 @@ PEERS = {
         },
     ),
     "Kratos": Peer(
-        "peer_kratos.py", ("KratosMultiphysics", "KratosStructuralMechanicsApplication", "KratosLinearSolversApplication"), {
+        "peer_kratos.py",
+        ("KratosMultiphysics", "KratosStructuralMechanicsApplication", "KratosLinearSolversApplication"), {
             "swing": ((20, 1e-3, "corotational"), (100, 1e-3, "corotational")),
             "flight": ((5, 0.2, "corotational"),), "spaghetti": ((20, 0.1, "corotational"),),
         },
@@ -103,7 +108,13 @@ def once(python: Path | str, script: str, case: str, n: int, dt: float, variant:
     line: Line = {"n": n, "dt": dt, "variant": variant, "completed": False, "cpu": None, "tip": None, "drift": None}
     try:
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=LIMIT, env=os.environ | threads, check=False
+            command,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+            env=os.environ | threads,
+            check=False,
+            cwd=tempfile.gettempdir(),
         )
     except subprocess.TimeoutExpired:
         return line | {"case": case, "note": f"not done after {LIMIT} s"}
@@ -161,7 +172,7 @@ def _row(line: Line, name: str) -> str:
         else None
     )
     cells = [
-        f"{name}, {line['variant']}", str(line["n"]), f"{line['dt']:.3g}", "yes" if line["completed"] else "no",
+        f"{name} {line['variant']}", str(line["n"]), f"{line['dt']:.3g}", "yes" if line["completed"] else "no",
         _number(line["cpu"] if line["completed"] else None, ".3g"), _number(speed), _number(line.get("off"), ".1e"),
         _number(line["drift"], ".1e"), _number(line.get("ratio"), ".3g"), line.get("note", "").replace("|", "/"),
     ]  # fmt: skip
@@ -169,14 +180,17 @@ def _row(line: Line, name: str) -> str:
 
 
 HEAD = (
-    "| program, element | n | Δt | done | CPU s | µs per element and step | tip off by | energy drift | times directrix | remark |\n"
-    + "| --- " * 10
-    + "|"
+    "| program, element | n | Δt | done | CPU s | µs per element and step | tip off by | energy drift "
+    "| times directrix | remark |\n" + "| --- " * 10 + "|"
 )
 TITLES = {
-    "swing": "The swing, same mesh and step", "accuracy": "The swing, equal accuracy", "flight": "Free flight, Δt = 0.2",
-    "spaghetti": "Flying spaghetti in space, Δt = 0.1",
+    "swing": "The swing, same mesh and step", "accuracy": "The swing, equal accuracy",
+    "flight": "Free flight, Δt = 0.2", "spaghetti": "Flying spaghetti in space, Δt = 0.1",
 }  # fmt: skip
+
+
+def _key(line: Line) -> tuple[int, float, str]:
+    return line["n"], line["dt"], line["variant"]
 
 
 def tables(record: Line) -> str:
@@ -189,15 +203,11 @@ def tables(record: Line) -> str:
         seen: set[tuple[int, float, str]] = set()
         for line in rows:
             own = line["directrix"]
-            key = (own["n"], own["dt"], own["variant"])
+            key = _key(own)
             if key not in seen:
                 seen.add(key)
-                same = [
-                    r["directrix"]
-                    for r in rows
-                    if (r["directrix"]["n"], r["directrix"]["dt"], r["directrix"]["variant"]) == key
-                ]
-                out.append(_row(best(same) | {"case": case}, "**directrix**, order").replace("order, ", "order "))
+                same = [r["directrix"] for r in rows if _key(r["directrix"]) == key]
+                out.append(_row(best(same) | {"case": case}, "**directrix** order"))
             out.append(_row(line, line["peer"]))
         out.append("")
     versions = sorted({f"{line['peer']} {line['version']}" for line in record["runs"] if line.get("version")})
@@ -220,7 +230,7 @@ def main() -> None:
             for case, runs in PEERS[name].runs.items():
                 for n, dt, variant in runs:
                     if not args.quick or n <= 20:
-                        kept.append(pair(name, PEERS[name], case, n, dt, variant, 1 if args.quick else 3))
+                        kept.append(pair(name, PEERS[name], case, n, dt, variant, 1 if args.quick else ROUNDS))
         order = list(PEERS)
         kept.sort(key=lambda line: (list(TITLES).index(line["case"]), order.index(line["peer"])))
         record = {"machine": _processor(), "python": platform.python_version(), "runs": kept}

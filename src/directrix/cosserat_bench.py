@@ -1,8 +1,11 @@
-"""directrix as a solver of `cosseratbench <https://pypi.org/project/cosseratbench/>`_, which finds it by its entry point.
+"""directrix as a solver of `cosseratbench <https://pypi.org/project/cosseratbench/>`_, found by its entry point.
 
-Rods that start straight, unstretched and at rest, free, pinned or clamped at their ends, under gravity and forces at the ends. Whatever else a
-scenario asks for (contact, driven ends, a start that is bent or stretched) is refused, and the benchmark reports it as unsupported.
+Rods that start straight, unstretched and at rest, free, pinned or clamped at their ends, under gravity and forces at
+the ends. Whatever else a scenario asks for (contact, driven ends, a start that is bent or stretched) is refused, and
+the benchmark reports it as unsupported.
 """
+# pyright: basic
+# (what cosseratbench hands over has no types where it is not installed)
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ try:
     from cosseratbench.solver import Diverged  # pyright: ignore[reportMissingImports]
 except ImportError as error:
     raise ModelError(
-        "cosseratbench is not installed", 'pip install "directrix[cosseratbench]"', "directrix.cosserat_bench"
+        "cosseratbench is not installed", "pip install cosseratbench", "directrix.cosserat_bench"
     ) from error
 
 Array = NDArray[np.float64]
@@ -73,9 +76,10 @@ class DirectrixSolver:
             raise Diverged(str(result.status), time=None if scenario.quasi_static else float(result.t[-1]))
         positions: list[Array] = []
         directors: list[Array] = []
-        for k, rod in enumerate(scenario.rods):
-            nodes = result.mesh.rod(f"rod {k}").nodes
-            r, d1 = result.r[frames][:, nodes], result.R[frames][..., 0][:, nodes]
+        for k in range(len(scenario.rods)):
+            mesh = result.mesh.rod(f"rod {k}")
+            r, turned = result.r[frames][:, mesh.nodes], result.R[frames][:, mesh.nodes]
+            d1 = np.einsum("fnij,nj->fni", turned, mesh.directors[:, :, 0])
             positions.append(r)
             directors.append(_across(r, d1))
         return Trajectory(times, tuple(positions), tuple(directors))
