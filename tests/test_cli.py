@@ -20,16 +20,18 @@ import directrix.cli
 from directrix import runs
 from directrix.audit import Audit, Entry
 from directrix.cli import app
+from directrix.keeping import RunFolder
 from directrix.result import Result, Status
 from directrix.schema import Case, load_case
 from directrix.storage import load
 
 HERE = Path(__file__).parent
 COMMANDS = {
-    "new", "convert", "export", "verify", "movie", "paper", "run", "check", "info", "plot", "view", "examples",
-    "schema", "doctor",
+    "new", "convert", "export", "verify", "movie", "paper", "run", "resume", "refine", "check", "info", "plot", "view",
+    "examples", "schema", "doctor",
 }  # fmt: skip
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
+BESIDE = {"input.toml", "log.jsonl", ".lock", "parts"}
 SAFE = "-m", "directrix"
 
 
@@ -55,15 +57,28 @@ def run(*args: object) -> tuple[int, str, str]:
 def pretend(monkeypatch: pytest.MonkeyPatch, end: Result | BaseException) -> None:
     """Let every case end like this at once."""
 
-    def fake(self: Case, progress: Callable[[float, str], None] | None = None, threads: int = 1) -> Result:
+    def fake(
+        self: Case,
+        progress: Callable[[float, str], None] | None = None,
+        threads: int = 1,
+        folder: RunFolder | None = None,
+    ) -> Result:
         if isinstance(end, BaseException):
             raise end
         assert progress is not None
         progress(0.5, "t = 1  H = 2.5  3 iterations")
         progress(1.0, "t = 2  H = 2.5  3 iterations")
+        if folder is not None:
+            folder.begin("")
+            folder.write(end)
         return end
 
     monkeypatch.setattr(Case, "run", fake)
+
+
+def left(folder: Path) -> set[str]:
+    """What a run leaves beside the things to go on with it."""
+    return {p.name for p in folder.iterdir()} - BESIDE
 
 
 def failed_audit() -> Audit:
@@ -95,7 +110,7 @@ def test_exit_codes_and_the_results_so_far(
     assert got == code
     assert result.status.sentence in out and result.audit.verdict in out
     folder = case.with_suffix(".run")
-    assert {p.name for p in folder.iterdir()} == ALWAYS
+    assert left(folder) == ALWAYS
     assert all(f"wrote {folder / name}" in out for name in ALWAYS)
     summary = json.loads((folder / "run.json").read_text())
     assert summary["status"]["code"] == result.status.code
@@ -110,8 +125,9 @@ def test_what_is_written(monkeypatch: pytest.MonkeyPatch, case: Path, tmp_path: 
     out = tmp_path / "deep" / "there"
     assert run("run", case, "--out", out)[0] == 0
     pictures = {"energy.png", "momentum.png", "motion.png"} if runs.can_draw() else set()
-    assert {p.name for p in out.iterdir()} == {*ALWAYS, "view.html", *pictures}
-    assert all(p.stat().st_size > 1000 for p in out.iterdir())
+    assert left(out) == {*ALWAYS, "view.html", *pictures}
+    assert all((out / name).stat().st_size > 1000 for name in left(out))
+    assert (out / "input.toml").read_bytes() == case.read_bytes()
     summary = json.loads((out / "run.json").read_text())
     assert summary["input"]["sha256"] == load_case(case).sha256
     assert summary["energy"]["total"]["first"] == result.energy.total[0]
@@ -181,7 +197,7 @@ def test_an_earlier_run_is_replaced_whole(monkeypatch: pytest.MonkeyPatch, case:
     pretend(monkeypatch, fake_result(instants=7))
     assert run("run", case, "--no-view")[0] == 0
     folder = case.with_suffix(".run")
-    assert {p.name for p in folder.iterdir()} == ALWAYS  # no animation of the earlier run is left
+    assert left(folder) == ALWAYS  # no animation of the earlier run is left
     assert len(load(folder / "result.vtkhdf").t) == 7
 
 
@@ -304,7 +320,7 @@ def test_without_matplotlib_a_run_says_what_is_missing(monkeypatch: pytest.Monke
     monkeypatch.setattr(runs, "can_draw", lambda: False)
     code, out, _ = run("run", case)
     assert code == 0 and "directrix[plot]" in out
-    assert {p.name for p in case.with_suffix(".run").iterdir()} == {*ALWAYS, "view.html"}
+    assert left(case.with_suffix(".run")) == {*ALWAYS, "view.html"}
 
 
 # --- the rest

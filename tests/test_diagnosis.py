@@ -171,4 +171,7 @@ def test_check_prints_the_findings(tmp_path: Path) -> None:
     file.write_text(text.replace("-9.81", "9.81"), "utf-8")
     bad = CliRunner().invoke(app, ["check", str(file)])
     assert bad.exit_code == 2
-    assert "case.toml:8" in bad.output and "rod 'bob' can move freely: rotation about every axis" in bad.output
+    assert (
+        "case.toml:12:9: rod[bob]" in bad.output
+        and "rod 'bob' can move freely: rotation about every axis" in bad.output
+    )

@@ -436,7 +436,7 @@ def test_case_files_record(tmp_path: Path) -> None:
     result = dx.load(tmp_path / "a.run" / "result.vtkhdf")
     np.testing.assert_allclose(tip["r_z"], result.node("b").r[:, 2], rtol=1e-12)
     for more, says in (
-        ('rod = "arm"\ns = 2\n', r"a.toml:21: record\[arm\]: rod 'arm' has no arclength s = 2"),
+        ('rod = "arm"\ns = 2\n', r"a.toml:23:1: record\[arm\].s: rod 'arm' has no arclength s = 2"),
         ('rod = "leg"\ns = 0\n', "there is no rod 'leg'"),
         ('rod = "arm"\ns = 1\n[[record]]\nrod = "arm"\ns = 1\n', "another record writes record-arm-1.csv"),
         ('rod = "arm"\ns = 1\nquantities = ["M1"]\n', "quantities"),

@@ -395,3 +395,40 @@ def test_a_case_says_all_of_it(tmp_path: Path, drawing: Path) -> None:
     (tmp_path / "line.csv").write_text("x,y,z\n0,0,5\n0,0,5\n2,0.5,5\n")
     with pytest.raises(dx.InputError, match="same as the one before"):
         load_case(tmp_path / "case.toml")
+
+
+ROUND = 'kind = "circle"\nradius = 0.01\nE = 1e9\nnu = 0.3\nrho = 1000'
+
+
+@pytest.mark.parametrize(
+    ("kind", "given"),
+    [
+        ("grid", {"counts": (2, 1), "cell": (0.5, 0.25), "origin": (1.0, 2.0, 3.0), "order": 1}),
+        ("octet", {"counts": (1, 2, 1), "cell": 2.0, "origin": (0.0, 0.0, 1.0), "elements": 2}),
+        ("ring", {"radius": 2.0, "parts": 3, "centre": (1.0, 0.0, 0.0), "normal": (0.0, 1.0, 0.0)}),
+        ("spring", {"radius": 0.1, "pitch": 0.06, "turns": -2.5, "end_coils": 1.0, "seats": True, "wire": 0.015}),
+        ("weave", {"counts": (2, 2), "spacing": 1.0, "amplitude": 0.05, "weft": "thick", "elements_per_crossing": 5}),
+        ("mesh", {"scale": 0.5}),
+    ],
+)  # fmt: skip
+def test_every_kind_of_geometry_is_the_same_from_a_case(tmp_path: Path, kind: str, given: dict[str, object]) -> None:
+    from directrix.schema.load import load_case
+
+    keys = [f"{key} = {str(list(v) if isinstance(v, tuple) else v).lower()}" for key, v in given.items()]
+    keys = [key.replace("thick", '"thick"') for key in keys]
+    sections = f"[section.thin]\n{ROUND}\n[section.thick]\n{ROUND.replace('0.01', '0.02')}\n"
+    if kind == "mesh":
+        meshio = pytest.importorskip("meshio")
+        points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [2, 0, 0]], float)
+        lines_of = [("line", np.array([[0, 1], [1, 2], [1, 3]]))]
+        meshio.Mesh(points, lines_of, cell_data={"region": [np.array([1, 2, 1])]}).write(tmp_path / "a.vtk")
+        made = dx.from_mesh(tmp_path / "a.vtk", {1: SECTION, 2: OTHER}, **given)  # type: ignore[arg-type]
+        keys += ['file = "a.vtk"', 'section = { 1 = "thin", 2 = "thick" }']
+    else:
+        made = getattr(generate, kind)(section=SECTION, **given | ({"weft": OTHER} if "weft" in given else {}))
+        keys += ['section = "thin"']
+    case = tmp_path / "case.toml"
+    run = "[dynamics]\nt_end = 1.0\ndt = 0.1\n"
+    case.write_text(f'{sections}[[geometry]]\nkind = "{kind}"\n' + "\n".join(keys) + "\n" + run)
+    model = load_case(case).model
+    assert (model.rods, model.nodes, model.joints) == (made.rods, made.nodes, made.joints) and model.rods

@@ -466,10 +466,11 @@ def examples() -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a case that has run."""
+    """A folder with two cases that have run."""
     folder = tmp_path_factory.mktemp("help")
-    path, _ = begin(str(folder / "cantilever"), "cantilever")
-    assert command("run", path, "--no-view").exit_code == 0
+    for name in ("cantilever", "swing"):
+        path, _ = begin(str(folder / name), name)
+        assert command("run", path, "--no-view").exit_code == 0
     return folder
 
 

@@ -45,7 +45,7 @@ def test_every_integrator_keeps_what_it_claims_and_only_that(integrator) -> None
 
 
 @pytest.mark.parametrize("integrator", ALL, ids=repr)
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 2, pytest.param(3, marks=pytest.mark.slow)])  # compiling is what takes long
 def test_the_ledger_of_a_driven_frame(integrator, order: int) -> None:
     """Loads that keep and that change their direction, a support that moves, corners: every order, every scheme."""
     model = (

@@ -66,6 +66,18 @@ def test_a_source_is_there_only_where_it_can_take_something() -> None:
     assert dx.solve_static(pulled, steps=1).energy.by_source == {}
 
 
+@pytest.mark.parametrize(("dt", "steps"), [(1.0, 2), (1e-3, 100)])
+def test_a_stiff_frame_at_rest_has_closed_books(dt: float, steps: int) -> None:
+    """Its stresses are rounded, and there is no momentum to which that would be small."""
+    stiff = dx.Section.from_moduli(
+        EA=4e7, GA1=2e7, GA2=2e7, EI1=1e7, EI2=1e7, GJ=1e7, A_rho=1.0, I_rho1=0.5, I_rho2=0.5
+    )
+    model = dx.Model().rod(dx.line((0, 0, 0), (0, 120, 0)), stiff, name="column", ends=("a", "b"), elements=5)
+    model = model.rod(dx.line((0, 120, 0), (120, 130, 7)), stiff, name="beam", ends=("b", "c"), elements=5)
+    audit = dx.simulate(model.clamp("a").fix("c", "x", "y", "z"), dt * steps, dt).audit
+    assert audit.passed and len([e for e in audit.entries if e.claimed]) == 3, audit
+
+
 def test_the_sources_are_printed_saved_and_in_the_summary(run: dx.Result, tmp_path: Path) -> None:
     again = dx.load(run.save(tmp_path / "run.vtkhdf"))
     assert list(again.energy.by_source) == list(run.energy.by_source)

@@ -336,7 +336,7 @@ def test_the_command_draws(tmp_path: Path) -> None:
     for args, says in (
         ([], "what to draw has to be said once"),
         (["energy", "--what", "energy"], "said once"),
-        (["newton", "--at", "2"], "newton takes no --at\n  fix: it takes --beside"),
+        (["newton", "--at", "2"], "newton takes no --at [DX400]\n  fix: it takes --beside"),
         (["history", "--rod", "mid"], "--rod and --s together"),
         (["orbit"], "orbit: of which node?"),
         (["history", "--node", "B", "--quantity", "speed"], "no history of 'speed'"),

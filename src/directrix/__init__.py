@@ -28,8 +28,10 @@ if TYPE_CHECKING:
         Newmark,
         SimoTarnowDoblare,
     )
+    from directrix.keeping import Folder
     from directrix.linear.petsc import Petsc
     from directrix.model import Model
+    from directrix.parts import Keep
     from directrix.points import Recorder
     from directrix.refinement import Refined, refine
     from directrix.result import Result, Status, TurningPoint
@@ -56,9 +58,11 @@ __all__ = [
     "EnergyDissipating",
     "EnergyMomentum",
     "Ensemble",
+    "Folder",
     "GeneralizedAlpha",
     "HilberHughesTaylor",
     "InputError",
+    "Keep",
     "Midpoint",
     "Model",
     "ModelError",
@@ -132,8 +136,10 @@ _HOME = {
         "Newmark",
         "SimoTarnowDoblare",
     ),
+    "keeping": ("Folder",),
     "linear.petsc": ("Petsc",),
     "model": ("Model",),
+    "parts": ("Keep",),
     "points": ("Recorder",),
     "refinement": ("Refined", "refine"),
     "result": ("Result", "Status", "TurningPoint"),

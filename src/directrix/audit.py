@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from directrix.keeping.memory import recall, remember
 
 if TYPE_CHECKING:
     from directrix.discretisation import Discretisation
@@ -84,6 +86,9 @@ class _Turn:
             self.dots, self.element = float(totals[8]), int(totals[9])
         self.loss = max(self.loss, float(totals[10]))
 
+    def remember(self) -> dict[str, Any]:
+        return remember(self, "dots", "element", "loss")
+
     def audit(self, entries: list[Entry]) -> Audit:
         angle = float(np.arccos(np.clip(0.5 * (self.dots - 1.0), -1.0, 1.0)))
         where = self.disc.element_place(self.element)
@@ -114,11 +119,14 @@ class DynamicBooks:
             float(np.diag(rod.section.stiffness)[:3].max() * mesh.s[-1])
             for rod, mesh in zip(disc.model.rods, disc.mesh.rods, strict=True)
         )
+        # what a rod at rest has by rounding: strains of 1e-15, over n equal steps √n times those of one
+        stiff = max((float(np.diag(rod.section.stiffness)[:3].max()) for rod in disc.model.rods), default=0.0)
+        self.rounded = 5e-15 / LIMIT * stiff
         self.reach = float(np.abs(disc.mesh.r0).max()) + disc.length
         self.start = first.totals.copy()
         self.work = self.prescribed = self.dissipated = self.given = 0.0
         self.taken, self.done = np.zeros(len(disc.sources.names)), np.zeros(len(disc.sources.names))
-        self.turnover = np.zeros(3)  # Σ|work|, Σ|impulse|, Σ|angular impulse|
+        self.turnover = np.zeros(3)  # Σ|impulse|, Σ|angular impulse|, Σdt²
         self.impulse = np.zeros(6)
         self.settled = 0.0, 0.0  # work and dissipation of the steps that are in all of this
         self.waiting: list[tuple[Array, Array, Array, Array]] = []
@@ -138,7 +146,6 @@ class DynamicBooks:
             self.taken += books.taken
             self.done += books.done
             self.given = max(self.given, -float(books.taken.min()))
-            self.turnover[0] += np.abs(books.done).sum()
         self.turn.add(books.totals)
 
     def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> None:
@@ -160,10 +167,10 @@ class DynamicBooks:
             return
         totals, flow, acting, dt = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
         self.waiting = []
-        work = self.settled[0] + np.cumsum(flow[:, 0] + flow[:, 1] + flow[:, 9])
-        dissipated = self.settled[1] + np.cumsum(flow[:, 8])
-        impulse = self.impulse + np.cumsum(dt * flow[:, 2:8], axis=0)
-        self.turnover += (np.abs(flow[:, :2]).sum(), *(dt * acting).sum(axis=0))
+        work = _on(self.settled[0], flow[:, 0] + flow[:, 1] + flow[:, 9])
+        dissipated = _on(self.settled[1], flow[:, 8])
+        impulse = _on(self.impulse, dt * flow[:, 2:8])
+        self.turnover = _on(self.turnover, np.column_stack([dt * acting, dt * dt]))[-1]
         energy = totals[:, 0] + totals[:, 1]
         terms = (totals[:, 0], totals[:, 1], np.abs(work), np.abs(dissipated))
         self.term = max(self.term, *(float(term.max()) for term in terms))
@@ -179,6 +186,21 @@ class DynamicBooks:
         self.off = np.fmax(self.off, np.fmax.reduce(off, axis=1))
         self.settled, self.impulse = (float(work[-1]), float(dissipated[-1])), impulse[-1]
 
+    def remember(self) -> dict[str, Any]:
+        """The books as they are."""
+        self._settle()
+        names = (
+            "work", "prescribed", "dissipated", "given", "taken", "done", "turnover", "impulse", "settled",
+            "off", "term", "kinetic",
+        )  # fmt: skip
+        return {"own": remember(self, *names), "turn": self.turn.remember()}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        self.waiting = []
+        recall(self, memory["own"])
+        recall(self.turn, memory["turn"])
+
     @property
     def flows(self) -> tuple[float, ...]:
         """Since the start: work, the part of prescribed motion, what was dissipated; by source the last, and work."""
@@ -193,11 +215,15 @@ class DynamicBooks:
     def audit(self) -> Audit:
         """The verdict on all steps booked so far."""
         self._settle()
-        momentum = max(float(np.sqrt(2.0 * self.mass * self.kinetic)), self.turnover[1])
+        momentum = max(
+            float(np.sqrt(2.0 * self.mass * self.kinetic)),
+            self.turnover[0],
+            self.rounded * float(np.sqrt(self.turnover[2])),
+        )
         scale = (
             max(self.term, self.least),
             momentum,
-            max(momentum * self.reach, self.turnover[2]),
+            max(momentum * self.reach, self.turnover[1]),
         )
         value = [float(o / s) if s > 0.0 else 0.0 for o, s in zip(self.off, scale, strict=True)]
         claims = self.integrator
@@ -231,6 +257,16 @@ class StaticBooks:
         self.turn = _Turn(disc)
         self.turn.add(first.totals)
 
+    def remember(self) -> dict[str, Any]:
+        """The books as they are."""
+        own = remember(self, "work", "prescribed", "done", "off", "scale")
+        return {"own": own, "turn": self.turn.remember()}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        recall(self, memory["own"])
+        recall(self.turn, memory["turn"])
+
     @property
     def flows(self) -> tuple[float, ...]:
         """Since the start: work, the part of prescribed motion, nothing dissipated; by source nothing, and work."""
@@ -260,6 +296,12 @@ class StaticBooks:
                 for name, o, s in zip(names, self.off, self.scale, strict=True)
             ]
         )
+
+
+def _on(start: Array | float, values: Array) -> Array:
+    """Sums of ``values`` (m, …) so far, from ``start`` on: one after the other, so that it does not matter how many are
+    added at a time."""
+    return np.cumsum(np.concatenate([np.asarray(start)[None], values]), axis=0)[1:]
 
 
 def _workers(result: Result) -> dict[str, Array]:

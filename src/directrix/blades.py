@@ -154,7 +154,7 @@ def _key_points(primary: _File) -> Array:
     if members > 1:
         raise primary.error(f"the blade has {members} members", "one member is read: join their key points", at)
     for k in np.flatnonzero(np.linalg.norm(np.diff(points[:, :3], axis=0), axis=1) == 0.0):
-        raise primary.error("the key point is the same as the one before", "remove one", first + k + 1)
+        raise primary.error("the key point is the same as the one before", "remove one", first + int(k) + 1)
     return points
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
+from scipy.optimize import brentq  # pyright: ignore[reportUnknownVariableType]
 
 from directrix.checks import Vec, number, vector
 from directrix.curves import DirectorRule, first_frame
@@ -48,7 +49,11 @@ class Catenary:
         high = 1.0
         while np.sinh(high) / high < ratio:
             high *= 2.0
-        q = float(brentq(lambda v: np.sinh(v) / v - ratio, 1e-12, high, xtol=1e-15, rtol=1e-15))
+
+        def excess(v: float) -> float:
+            return float(np.sinh(v)) / v - ratio
+
+        q = float(cast("float", brentq(excess, 1e-12, high, xtol=1e-15, rtol=np.float64(1e-15))))
         return 0.5 * span / q
 
     @cached_property

@@ -10,6 +10,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
 from functools import wraps
 from itertools import chain
@@ -21,6 +22,7 @@ import typer
 from directrix.errors import InputError, ModelError
 
 if TYPE_CHECKING:
+    from directrix.keeping import RunFolder
     from directrix.result import Result
     from directrix.schema import Case
 
@@ -42,6 +44,12 @@ CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file, .to
 ResultFile = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.", show_default=False)
 ]
+
+
+Threads = Annotated[
+    int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")]
 
 
 class Scheme(StrEnum):
@@ -162,54 +170,99 @@ def run(
     adaptive: Annotated[
         float | None, typer.Option(metavar="TOL", help="Time steps as long as this local error allows.")
     ] = None,
-    threads: Annotated[
-        int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
-    ] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")] = False,
+    threads: Threads = 1,
+    quiet: Quiet = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Throw away an unfinished run in the folder.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Open a page that shows the motion while it runs.")] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="--watch: port of this machine; 0 takes a free one.")] = 0,
 ) -> int:
     """Solve a case; write the result, run.json, monitor.csv, pictures and an HTML animation."""
-    from rich.console import Console
-
-    from directrix.console import live, opened, show
-    from directrix.runs import RunFolder, can_draw, exit_code
+    from directrix.keeping import RunFolder, Source
     from directrix.schema import load_case
 
     case = load_case(case_file)
     case = case if adaptive is None else case.adapted(adaptive)
     rival = case.stepped_by(beside.value) if beside else None
-    folder = RunFolder.claim(out or case_file.with_suffix(".run"))
+    folder = RunFolder.claim(
+        case.kept_in(out or case_file.with_suffix(".run"), overwrite=overwrite),
+        Source(case.title, case_file, case.raw, case.sha256), command=True,
+    )  # fmt: skip
+    folder.more = {} if adaptive is None else {"adaptive": adaptive}
+    heading = f"{case.title}  ({case_file})"
+    return _solve(case, rival, folder, heading, no_view, threads, quiet, port if watch else None)
+
+
+@app.command(epilog="Example: directrix resume swing.run --until 2.1")
+@_guarded
+def resume(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.", show_default=False)],
+    until: Annotated[float | None, typer.Option(metavar="T", help="Go on to this time, also after the end.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Go on though the input has changed.")] = False,
+    no_view: Annotated[bool, typer.Option("--no-view", help="Leave out the HTML animation and the pictures.")] = False,
+    threads: Threads = 1,
+    quiet: Quiet = False,
+) -> int:
+    """Go on with a run that was killed or interrupted, to the same digits; --until goes on with one that has ended."""
+    from directrix.keeping import RunFolder
+    from directrix.keeping.resuming import frozen
+    from directrix.schema import load_case
+
+    found = frozen(run_folder, force=force, until=until)
+    for line in found.warnings:
+        _say(f"warning: {line}")
+    case = load_case(found.path, found.title, found.beside)
+    case = case if found.adaptive is None else case.adapted(found.adaptive)
+    case = case if found.until is None else case.until(found.until)
+    folder = RunFolder.claim(case.kept_in(run_folder, resume=True, force=force), command=True)
+    folder.more = {k: v for k, v in (("until", found.until), ("adaptive", found.adaptive)) if v is not None}
+    return _solve(case, None, folder, f"{case.title}  ({run_folder})", no_view, threads, quiet)
+
+
+def _solve(
+    case: Case, rival: Case | None, folder: RunFolder, heading: str, no_view: bool, threads: int, quiet: bool,
+    port: int | None = None,
+) -> int:  # fmt: skip
+    """Run a case in its folder, and its rival beside it; show and draw what came out. With a ``port`` a page shows the
+    motion while it runs."""
+    from rich.console import Console
+
+    from directrix.console import live, opened, show
+    from directrix.runs import can_draw, draw_all, exit_code, written
+
     console = Console(quiet=quiet, highlight=False)
     for warning in case.warnings:
         console.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=True)
 
-    def solve(case: Case, heading: str, watched: bool = False) -> Result:
+    def solve(case: Case, heading: str, folder: RunFolder | None = None, watched: bool = False) -> Result:
         console.print(heading, style="bold", markup=False, soft_wrap=True)
         if not watched:
             with live(console) as progress:
-                return case.run(progress, threads)
+                return case.run(progress, threads, folder)
+        assert port is not None
         with opened(port) as page, live(console) as progress:
             page.then = progress
-            result = case.run(page, threads)
+            result = case.run(page, threads, folder)
             page.finish(result)
             return result
 
-    result = solve(folder.recording(case), f"{case.title}  ({case_file})", watch)
-    # kept before anything is shown: what was computed is not lost to a fault further on
-    written = [*folder.write(case, result), *(folder.path / one.file for one in case.records)]
+    try:
+        # written before anything is shown: what was computed is not lost to a fault further on
+        result = solve(replace(case, record_in=folder.path), heading, folder, port is not None)
+    finally:
+        folder.close()
     show(console, result)
     both: dict[str, Result] = {}
-    if rival is not None:
+    if rival is not None and result.status.code != "interrupted":
         both = {case.scheme: result, rival.scheme: solve(rival, f"\nThe same under {rival.scheme}")}
         show(console, both[rival.scheme])
-    for path in chain(written, () if no_view else folder.draw(result, both)):
+    no_view = no_view or result.status.code == "interrupted"
+    for path in chain(written(folder.path), () if no_view else draw_all(folder.path, result, both)):
         console.print(f"wrote {path}", markup=False, soft_wrap=True)
     if not no_view and not can_draw():
         console.print('no pictures: matplotlib is missing; pip install "directrix[plot]"', markup=False)
     code = exit_code(result)
     if code and quiet:
-        _say(f"{case_file}: {result.status} audit {result.audit.verdict}")
+        _say(f"{folder.path}: {result.status} audit {result.audit.verdict}")
     return code
 
 
@@ -311,9 +364,18 @@ def convert(
 @app.command(epilog="Example: directrix info cantilever.run")
 @_guarded
 def info(result_file: ResultFile) -> None:
-    """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint."""
+    """Print what a result holds: how it ended, its audit, its names, the largest force and moment of every joint.
+
+    Of a run that is on, or has not finished, print how far it is and how to go on."""
     import numpy as np
 
+    from directrix.keeping.folder import about, summary_of, unfinished
+
+    said = summary_of(result_file) if result_file.is_dir() else None
+    if said is not None and unfinished(said):
+        for line in about(result_file):
+            print(line)
+        return
     result, path = _load(result_file)
     print(result)
     print(f"  file {path}")
@@ -537,9 +599,14 @@ def asks() -> bool:
 
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
+    from directrix.keeping.folder import how_far, summary_of
+    from directrix.keeping.store import resume_command
     from directrix.runs import RESULT
     from directrix.storage import load
 
+    said = summary_of(path) if path.is_dir() else None
+    if said is not None and said["status"]["code"] == "running":  # a result that is there is that of an earlier run
+        raise InputError(f"holds a run that has not finished: {how_far(path, said)}", resume_command(path), str(path))
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
         raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))

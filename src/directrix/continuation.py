@@ -13,6 +13,7 @@ from directrix.controls import ArcLength
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.family import Family, made
+from directrix.keeping import Keeper
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.path import Walk
@@ -20,12 +21,14 @@ from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status
 from directrix.state import initial_state
 from directrix.statics import PATIENCE, solve_static, static_scheme, watch_for
+from directrix.threads import one_blas_thread
 
 Array = NDArray[np.float64]
 
 __all__ = ["continuation"]
 
 
+@one_blas_thread()
 def continuation(
     make: Callable[[float], Model],
     begin: float,
@@ -92,7 +95,7 @@ def continuation(
     here = replace(start, t=start.t[-1:], load_factor=np.array([begin]), r=start.r[-1:], R=start.R[-1:])
     status = walk.begin(x, here)
     try:
-        status = status or walk.go(reporting(progress))
+        status = status or walk.go(reporting(progress), Keeper(None, recorder, ""))
     except KeyboardInterrupt:
         status = Status("interrupted", f"interrupted at {walk.factor:.6g}.", "Go on with start=.")
     except ModelError as error:  # a user's function that fails on the way: keep what there is

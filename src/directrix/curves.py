@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -476,20 +476,22 @@ def twisted(curve: Curve, twist: Any) -> Twisted:
     wants elements that turn by less than about half a radian. Raises ModelError for anything else.
     """
     if callable(twist):
+        turn = cast("Callable[[float], float]", twist)
         for f in (0.0, 0.5, 1.0):
             try:
-                number(twist(f), f"twist at fraction {f:g}")
+                number(turn(f), f"twist at fraction {f:g}")
             except ModelError:
                 raise
             except Exception as error:  # whatever a user's function raises
                 raise ModelError(
                     f"the twist as a function fails at {f:g}: {error!r}", "return an angle for 0 … 1"
                 ) from error
-        return Twisted(curve, (0.0, 1.0), (0.0, 0.0), twist)
+        return Twisted(curve, (0.0, 1.0), (0.0, 0.0), turn)
     if isinstance(twist, (int, float)) and not isinstance(twist, bool):
         return Twisted(curve, (0.0, 1.0), (0.0, number(twist, "twist")))
+    rows: Any = twist
     try:
-        pairs = [(number(f, "fraction of a twist"), number(a, "angle of a twist")) for f, a in twist]
+        pairs = [(number(f, "fraction of a twist"), number(a, "angle of a twist")) for f, a in rows]
     except (TypeError, ValueError) as error:
         if isinstance(error, ModelError):
             raise

@@ -84,7 +84,7 @@ def stage_in(figure: Any, result: Result) -> Stage:
         ax = figure.add_subplot()
         dress(ax)
         return Stage(ax, flat)
-    from matplotlib import rc_context
+    from matplotlib import rc_context  # pyright: ignore[reportUnknownVariableType]
     from matplotlib.ticker import MaxNLocator
 
     with rc_context({"grid.color": "#d5dade", "grid.linewidth": 0.7}):

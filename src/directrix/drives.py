@@ -110,6 +110,16 @@ class Driver:
             start, end = (element[:, None] + first * LANES + columns for first in (drive.start, drive.end))
             self.places.append((start, end))
 
+    def remember(self) -> list[list[Array]]:
+        """What is written, for the start and the end of a step."""
+        return [[self.par[start].copy(), self.par[end].copy()] for start, end in self.places]
+
+    def recall(self, memory: Sequence[Sequence[Array]]) -> None:
+        """Write what :meth:`remember` gave."""
+        for here, values in zip(self.places, memory, strict=True):
+            for to, value in zip(here, values, strict=True):
+                self.par[to] = value
+
     def follow(self, other: Driver) -> None:
         """Take over what ``other`` wrote, for the same drives in other tables."""
         for here, there in zip(self.places, other.places, strict=True):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 from directrix import points
 from directrix.audit import DynamicBooks
@@ -17,9 +18,11 @@ from directrix.fast import fast_for
 from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
+from directrix.keeping import Folder, Keeper, RunFolder, fingerprint
 from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
+from directrix.parts import Keep, Parts
 from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status
 from directrix.scheme import Rates
@@ -27,10 +30,12 @@ from directrix.state import has_history, initial_state, place_supports
 from directrix.statics import PATIENCE
 from directrix.stepping import Adaptive, Beat, Fixed, Stepping, stepping, way
 from directrix.telling import line
+from directrix.threads import one_blas_thread
 
 __all__ = ["refuse_damping", "simulate"]
 
 
+@one_blas_thread()
 def simulate(
     model: Model,
     t_end: float,
@@ -41,6 +46,8 @@ def simulate(
     load_rule: Literal["midpoint", "average"] = "midpoint",
     start: Result | None = None,
     save_every: int = 1,
+    keep: Keep | None = None,
+    folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
     record: Sequence[points.Recorder] = (),
     threads: int = 1,
@@ -71,6 +78,11 @@ def simulate(
         Go on from the last instant of this result, at its time if it is dynamic and at t = 0 if static.
     save_every
         Keep every so many steps, whole ones of a fixed ``dt``; the last state is always kept.
+    keep
+        Which rods, nodes and fields: ``dx.Keep(…)``; all unless given.
+    folder
+        Where the run is kept while it goes on: a path, or ``dx.Folder(path, resume=True)`` to go on with a run that was
+        killed or interrupted, to the same digits. The result is written there in the end.
     tolerance
         Unbalanced over largest element force at which a step is accepted (never below round-off).
     record
@@ -116,7 +128,7 @@ def simulate(
     if ends and not has_history(start, scheme):
         newton.accelerate(x, external)
     acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic", record, feed_of(progress))
+    recorder = Recorder(disc, "dynamic", Parts(disc.mesh, keep), record, feed_of(progress))
     books = newton.books(x)
     ledger = DynamicBooks(disc, integrator, books)
     recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
@@ -127,9 +139,45 @@ def simulate(
     if pace.adaptive:
         beat = replace(beat, past=((0.0, x[: disc.nodes, 24:36].copy()),))
     saved = 0  # steps that are behind what was last kept
+    paced = beat.dt  # of the last step
+    asked = {
+        "t0": t0, "dt": dt, "t_end": t_end if pace.adaptive else None, "integrator": integrator,
+        "load_rule": load_rule, "tolerance": tolerance, "save_every": save_every, "keep": keep, "x": x,
+    }  # fmt: skip
+    keeper = Keeper(folder, recorder, fingerprint(disc, scheme, asked, (t0, beat.to)))
+
+    def memory() -> dict[str, Any]:
+        return {
+            "beat": beat.remember(), "saved": saved, "paced": paced, "x": x, "acting": acting,
+            "newton": newton.remember(), "ledger": ledger.remember(), "log": recorder.log.remember(),
+            "fast": None if fast is None else fast.remember(),
+        }  # fmt: skip
+
+    if keeper.memory is not None:
+        past = keeper.memory
+        beat, saved, paced = pace.again(Beat.recalled(past["beat"])), past["saved"], past["paced"]
+        newton.retime(integrator.scheme(paced), x)
+        x, acting = past["x"], past["acting"]
+        books = newton.recall(past["newton"])
+        ledger.recall(past["ledger"])
+        recorder.log.recall(past["log"])
+        if fast is not None:
+            fast.recall(past["fast"])
+        before = beat.t
+        unsaved = (
+            (newton.positions(x), x.copy())
+            if saved < len(recorder.iterations) and not (fast is not None and fast.inside)
+            else None
+        )
     status = Status("done", "")
     try:
+        keeper.listen()
         while not beat.done:
+            if keeper.due(taken := len(recorder.iterations)):
+                keeper.keep(taken, beat.t, memory())
+                if keeper.stopping:
+                    status = keeper.interrupted(f"t = {beat.t:g}")
+                    break
             before, t = beat.t, beat.to
             if not steady:
                 if ends:
@@ -141,22 +189,23 @@ def simulate(
             if fast is not None and isinstance(pace, Fixed) and beat.whole:
                 alone = progress is not None or not steady
                 many = 1 if alone else min(pace.steps - beat.k, save_every - beat.k % save_every)
-                taken = fast.take(x, external, many, ledger)
-                if taken:
-                    recorder.log.took(beat.dt, taken)
-                    beat = pace.on(beat, len(taken))
+                many = min(many, keeper.room(len(recorder.iterations)))
+                done = fast.take(x, external, many, ledger, beat.k)
+                if done:
+                    recorder.log.took(beat.dt, done)
+                    beat = pace.on(beat, len(done))
                     before = beat.t
-                    if beat.k % save_every == 0 or beat.done:
+                    if beat.k % save_every == 0:
                         books = fast.books(x)
                         recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
-                        saved = len(recorder.iterations)
+                        unsaved, saved = None, len(recorder.iterations)
                     report(pace.fraction(beat), _line(before, recorder, ledger, fast.energy))
                     continue
                 if fast.inside:
                     books = fast.books(x)
                     fast.give(x)
                 unsaved = (newton.positions(x), x.copy()) if saved < len(recorder.iterations) else None
-            x = newton.retime(integrator.scheme(beat.dt), x)
+            x, paced = newton.retime(integrator.scheme(beat.dt), x), beat.dt
             good = x.copy()
             if newton.driver.varies and ends:
                 newton.driver.place(t, 1.0)
@@ -191,22 +240,25 @@ def simulate(
             recorder.log.took(beat.dt, [outcome.iterations])
             whole_step, beat, before = beat.asked, after, t
             count = len(recorder.iterations) if pace.adaptive else beat.k
-            if beat.done or ((whole_step or not pace.on_time) and count % save_every == 0):
+            if (whole_step or not pace.on_time) and count % save_every == 0:
                 recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
                 unsaved, saved = None, len(recorder.iterations)
             else:  # for a run that ends on the way: a step that fails leaves x somewhere
                 unsaved = newton.positions(x), x.copy()
             report(pace.fraction(beat), _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
         else:
+            keeper.keep(len(recorder.iterations), before, memory(), done=True)
             status = Status("done", f"reached t = {t_end:g} in {len(recorder.iterations)} steps{_thrown(recorder)}.")
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken
-            taken = fast.settle(ledger)
-            recorder.log.took(beat.dt, taken)
-            before = pace.on(beat, len(taken)).t if isinstance(pace, Fixed) and taken else before
-        status = Status("interrupted", f"interrupted at t = {before:g}.", "Go on with start=.")
+            done = fast.settle(ledger)
+            recorder.log.took(beat.dt, done)
+            before = pace.on(beat, len(done)).t if isinstance(pace, Fixed) and done else before
+        status = keeper.interrupted(f"t = {before:g}")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
+    finally:
+        keeper.hush()
     if fast is not None:
         fast.close(ledger)
         if fast.inside and saved < len(recorder.iterations):
@@ -220,7 +272,7 @@ def simulate(
         "tolerance": tolerance, "steps": len(recorder.iterations), "cuts": recorder.log.failed,
         "rejected": recorder.log.rejected, "element": repr(scheme.element),
     }  # fmt: skip
-    result = recorder.result(status, ledger.audit(), info)
+    result = keeper.finish(recorder.result(status, ledger.audit(), info, keeper.earlier()))
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result

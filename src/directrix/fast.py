@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.audit import DynamicBooks
+from directrix.keeping.memory import recall, remember
 from directrix.newton import Books, Newton
 from directrix.strips import Strips, strips_for
 
 Array = NDArray[np.float64]
 
-__all__ = ["Fast", "fast_for"]
+__all__ = ["FOLLOW", "Fast", "fast_for"]
+
+CARRIED = ("x", "res", "turn")
+"""What a strip keeps from step to step."""
+FOLLOW = 64
+"""The origin of a free model goes along after so many steps, counted from its start: when must not depend on how many
+are taken in a call, since it changes the rounding of those that follow."""
 
 
 def fast_for(newton: Newton, dt: float) -> Fast | None:
@@ -30,9 +39,12 @@ class Fast:
         self.loaded: Array | None = None
         self.results = np.zeros((0, 19))
         self.energy = self.loss = 0.0
+        self.before = 0
 
-    def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks) -> list[int]:
-        """Take up to ``count`` steps and book them; the iterations of those that converged."""
+    def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks, before: int) -> list[int]:
+        """Take up to ``count`` steps and book them, ``before`` having been taken; the iterations of those that
+        converged."""
+        count, self.before = min(count, FOLLOW - before % FOLLOW), before
         if not self.inside:
             self.strips.pack(x)
             self.inside = True
@@ -53,7 +65,8 @@ class Fast:
             if self.newton.free and self.newton.origin.any():
                 flow[:, 5:8] += np.cross(self.newton.origin, flow[:, 2:5])
                 totals[:, 5:8] += np.cross(self.newton.origin, totals[:, 2:5])
-            if self.newton.free:
+            self.before += len(rows)
+            if self.newton.free and self.before % FOLLOW == 0:
                 self._follow()
             force, moment = np.linalg.norm(flow[:, 2:5], axis=1), np.linalg.norm(flow[:, 5:8], axis=1)
             acting = np.stack([np.maximum(force, np.sqrt(rows[:, 17])), moment], -1)
@@ -66,6 +79,17 @@ class Fast:
         """Book what is known only at the end: the largest turn and loss of orthonormality of all steps."""
         dots, element = self.strips.largest_turn()
         ledger.turn.add(np.array([*[0.0] * 8, dots, element, self.loss]))
+
+    def remember(self) -> dict[str, Any]:
+        """What is in the lanes, digit by digit: a state that leaves them is rounded."""
+        lanes = [remember(part.strip, *CARRIED) for part in self.strips.parts]
+        return {"own": remember(self, "inside", "energy", "loss"), "lanes": lanes}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        recall(self, memory["own"])
+        for part, lanes in zip(self.strips.parts, memory["lanes"], strict=True):
+            recall(part.strip, lanes)
 
     def give(self, x: Array) -> None:
         """Write the state into ``x`` and leave the lanes."""

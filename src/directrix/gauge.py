@@ -64,6 +64,10 @@ class Along:
     def walk(self, reach: float, tangent: Array) -> None:
         """Take note of a step and of the tangent at its end."""
 
+    def remember(self) -> dict[str, float]:
+        """What was noted."""
+        return {}
+
     def blame(self, tangent: Array) -> Status | None:
         """Why no step can be taken, when the control is to blame."""
         return None
@@ -122,6 +126,10 @@ class Towards:
 
     def after(self, reach: float, iterations: int) -> float:
         return min(2.0 * reach, self.part)
+
+    def remember(self) -> dict[str, float]:
+        """What was noted."""
+        return {"done": self.done, "fastest": self.fastest}
 
     def walk(self, reach: float, tangent: Array) -> None:
         """Take note of a step and of the tangent at its end."""

@@ -40,7 +40,7 @@ def grid(
     pairs = [
         (p, q) for p in places for q in ((p[0] + 1, p[1]), (p[0], p[1] + 1)) if q[0] <= nx and q[1] <= ny
     ]  # fmt: skip
-    return _struts("grid", pairs, lambda p: (a * p[:, 0], b * p[:, 1], 0.0 * p[:, 0]), section, origin, rod)
+    return _struts("grid", pairs, (a, b), section, origin, rod)
 
 
 def cubic(
@@ -59,7 +59,7 @@ def cubic(
             q = tuple(v + (k == axis) for k, v in enumerate(p))
             if q[axis] <= most[axis]:
                 pairs.append((p, q))
-    return _struts("cubic lattice", pairs, lambda p: tuple(a * p.T), section, origin, rod)
+    return _struts("cubic lattice", pairs, (a, a, a), section, origin, rod)
 
 
 def octet(
@@ -82,7 +82,7 @@ def octet(
             q = tuple(v + w for v, w in zip(p, way, strict=True))
             if all(0 <= v <= n for v, n in zip(q, most, strict=True)):
                 pairs.append((p, q))
-    return _struts("octet truss", pairs, lambda p: tuple(a * p.T), section, origin, rod)
+    return _struts("octet truss", pairs, (a, a, a), section, origin, rod)
 
 
 def ring(
@@ -211,10 +211,13 @@ def _counts(counts: Iterable[int], size: int) -> tuple[int, ...]:
 
 
 def _struts(
-    title: str, pairs: list[tuple[Place, Place]], place: Any, section: Section, origin: ArrayLike, rod: dict[str, Any]
-) -> Model:
+    title: str, pairs: list[tuple[Place, Place]], steps: tuple[float, ...], section: Section, origin: ArrayLike,
+    rod: dict[str, Any],
+) -> Model:  # fmt: skip
     start = np.array(vector(origin, "origin"))
-    a, b = (start + np.stack(place(np.array([pair[k] for pair in pairs], float)), -1) for k in range(2))
+    a, b = (np.tile(start, (len(pairs), 1)) for _ in range(2))
+    for k, points in enumerate((a, b)):
+        points[:, : len(steps)] += np.array([pair[k] for pair in pairs]) * steps
     names = [(".".join(map(str, p)), ".".join(map(str, q))) for p, q in pairs]
     return Model(name=title).add_rods(
         {**rod, "curve": curve, "section": section, "name": f"{p}-{q}", "ends": (p, q)}

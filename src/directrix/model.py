@@ -659,7 +659,8 @@ class Model:
         names, points = list(places), np.array(list(places.values())).reshape(-1, 3)
         size = self._size(list(points))
         joined = {frozenset(joint.nodes) for joint in self.joints}
-        pairs: Any = KDTree(points).query_pairs(SAME_PLACE * size)  # pyright: ignore[reportUnknownMemberType]
+        tree: Any = KDTree(points)
+        pairs: set[tuple[int, int]] = tree.query_pairs(SAME_PLACE * size)
         for k, j in sorted(pairs):
             a, b = names[k], names[j]
             if frozenset((a, b)) not in joined:

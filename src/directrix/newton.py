@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from directrix.discretisation import Discretisation
 from directrix.drives import Driver
 from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
+from directrix.keeping.memory import recall, remember
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import damping_for, tables_for, work_for
@@ -32,6 +33,9 @@ UPSIDE_DOWN = 1.0 + 2.0 * np.cos(np.radians(170.0))
 """Σ d0·d1 of a node that turns too far in a step."""
 
 __all__ = ["Books", "Newton", "Outcome", "Settings"]
+
+CARRIED = ("applied", "reaction", "joints", "flow", "ground", "taken", "done", "scale")
+"""What a step leaves in the workspace for its books and for the next one."""
 
 
 @dataclass(frozen=True)
@@ -423,9 +427,30 @@ class Newton:
         self.origin += shift
         return shift
 
+    def remember(self) -> dict[str, Any]:
+        """All that the next step depends on beside its state."""
+        return {
+            "own": remember(self, "origin", "totals", "strains"),
+            "pairs": None if self.pairs is None else list(self.pairs),
+            "driven": self.driver.remember(),
+            "work": remember(self.work, *CARRIED),
+        }
+
+    def recall(self, memory: dict[str, Any]) -> Books:
+        """Go on from what :meth:`remember` gave; the books of the last step."""
+        if memory["pairs"] is not None:
+            self._bring(tuple(memory["pairs"]))
+        recall(self, memory["own"])
+        recall(self.work, memory["work"])
+        self.driver.recall(memory["driven"])
+        return self._books()
+
     def _about_zero(self) -> Books:
         if self.free:
             self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
+        return self._books()
+
+    def _books(self) -> Books:
         work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
         applied, reaction = work.applied[:n], work.reaction[:n]
         return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from directrix.critical import CriticalPoint, Kind, PathStability
 from directrix.errors import ModelError
 from directrix.failures import explained
 from directrix.gauge import Gauge, gauge_for
+from directrix.keeping import Keeper, recall, remember
 from directrix.kernels import step as kernel
 from directrix.newton import Newton
 from directrix.recorder import Progress, Recorder
@@ -175,6 +176,7 @@ class Walk:
             return Status(found.code, sentence, HELD_UP if np.any(self.loads) else found.advice)
         tangent, slope = found
         self.gauge = gauge_for(self.control, self.bordered, x)
+        self.reach, self.share = self.gauge.first, 1.0
         if not np.isfinite(slope) and not self.gauge.load_step(1.0, slope):
             raise ModelError(
                 f"nothing moves with the load factor, at {factor:.6g}",
@@ -197,10 +199,48 @@ class Walk:
             )
         return None
 
-    def go(self, progress: Progress) -> Status:
+    def remember(self) -> dict[str, Any]:
+        """All that the next step depends on."""
+        point = self.point
+        names = (
+            "acting", "rising", "inside", "turns", "met", "arc", "steps", "cuts", "parts", "kept", "counts", "reach",
+            "share",
+        )  # fmt: skip
+        return {
+            "own": remember(self, *names), "newton": self.newton.remember(), "ledger": self.ledger.remember(),
+            "point": [point.x.copy(), point.factor, point.tangent.copy(), point.slope],
+            "gauge": self.gauge.remember(), "watch": None if self.watch is None else self.watch.count,
+            "turning_points": [vars(p) for p in self.turning_points], "critical": [vars(p) for p in self.critical],
+        }  # fmt: skip
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave, after :meth:`begin`."""
+        recall(self, memory["own"])
+        self.point = Point(*memory["point"])
+        self.loads = self.newton.loads(self.point.factor)
+        self.books = self.newton.recall(memory["newton"])
+        self.ledger.recall(memory["ledger"])
+        recall(self.gauge, memory["gauge"])
+        if self.watch is not None:
+            self.watch.count = memory["watch"]
+        self.turning_points = [TurningPoint(**p) for p in memory["turning_points"]]
+        self.critical = [CriticalPoint(**p) for p in memory["critical"]]
+
+    def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
-        gauge, reach, share = self.gauge, self.gauge.first, 1.0
+        status = self._go(progress, keeper)
+        if status.success:
+            keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
+        return status
+
+    def _go(self, progress: Progress, keeper: Keeper) -> Status:
+        gauge = self.gauge
         while gauge.left > 0.0:
+            if keeper.due(tried := len(self.recorder.iterations)):
+                keeper.keep(tried, self.factor, self.remember())
+                if keeper.stopping:
+                    return keeper.interrupted(f"load factor {self.factor:.6g}")
+            reach, share = self.reach, self.share
             if self.steps >= gauge.most:
                 return self._out_of_steps()
             steer = gauge.load_step(reach, self.point.slope)
@@ -213,11 +253,13 @@ class Walk:
             except _LostError as lost:
                 self.recorder.iterations.append(lost.iterations)
                 self.cuts += 1
-                reach, share = (reach, 0.5 * share) if steer else (0.5 * wish, share)
-                if reach < gauge.smallest or share < SMALLEST:
+                self.reach, self.share = (reach, 0.5 * share) if steer else (0.5 * wish, share)
+                if self.reach < gauge.smallest or self.share < SMALLEST:
                     return self._stuck(gauge.blame(self.point.tangent) or lost.status)
                 continue
-            reach, share = (reach, min(1.0, 2.0 * share)) if steer else (gauge.after(wish, whole.iterations), share)
+            self.reach, self.share = (
+                (reach, min(1.0, 2.0 * share)) if steer else (gauge.after(wish, whole.iterations), share)
+            )
             leaving = self._pass(crossings)
             if leaving is None:
                 if crossings:
@@ -227,7 +269,7 @@ class Walk:
                 trial = self._leave(*leaving)
                 if isinstance(trial, Status):
                     return trial
-                reach = gauge.after(trial.reach, trial.iterations)
+                self.reach = gauge.after(trial.reach, trial.iterations)
             told = line("load factor", self.point.factor, self.recorder.iterations, cuts=self.cuts)
             progress(gauge.share(self.steps), told)
             if self._asked():
@@ -314,7 +356,7 @@ class Walk:
 
     def _note(self, kind: Kind, crossing: Crossing) -> None:
         """Remember the point just kept as a critical one."""
-        at = len(self.recorder.rows) - 1
+        at = self.recorder.count - 1
         self.critical.append(
             CriticalPoint(kind, crossing.factor, self.arc, at, crossing.before, crossing.after, crossing.modes)
         )
@@ -361,7 +403,7 @@ class Walk:
             self._keep()
         if turned:
             kind: Kind = "limit point (maximum)" if self.rising > 0.0 else "limit point (minimum)"
-            self.turning_points.append(TurningPoint(kind, self.point.factor, self.arc, len(self.recorder.rows) - 1))
+            self.turning_points.append(TurningPoint(kind, self.point.factor, self.arc, self.recorder.count - 1))
             if crossing is not None:
                 self._note(kind, crossing)
             self.rising = -self.rising

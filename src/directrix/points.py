@@ -149,30 +149,63 @@ class Live:
             raise ModelError("two recorders write to one file", "give each a path= of its own", "record=")
         self.r0 = mesh.r0
         self.points = [(one, place(mesh, one.rod, one.s)) for one in record]
-        self.files = [_opened(name) for name in names]
-        for one, out in zip(record, self.files, strict=True):
-            _row(out, ["t" if kind == "dynamic" else "load_factor", *one.columns])
+        self.names = names
+        self.heads = [["t" if kind == "dynamic" else "load_factor", *one.columns] for one in record]
+        self.first: list[list[float]] = []
+        """The first rows: they wait until it is known whether the run goes on with an earlier one."""
+        self.files: list[Any] = []
+        for name in names:
+            _opened(name, "a").close()
+
+    def go_on(self, rows: int) -> None:
+        """Go on behind the first ``rows`` rows of the files of an earlier run. Raises InputError."""
+        self.first = []
+        for name in self.names:
+            out = _opened(name, "r+")
+            for _ in range(rows + 1):
+                out.readline()
+            out.seek(out.tell())
+            out.truncate()
+            self.files.append(out)
+
+    def _begin(self) -> None:
+        """Write the first rows, in place of what was there."""
+        self.files = [_opened(name, "w") for name in self.names]
+        for out, head, row in zip(self.files, self.heads, self.first, strict=True):
+            _row(out, head)
+            _row(out, row)
+        self.first = []
 
     def write(self, t: float, r: Array, v: Array, strain: Array, force: Callable[[], Array]) -> None:
         """A row in every file, from positions and velocities (n, 3), strains and section forces (stations, 6)."""
         pulled = force() if any("force" in one.quantities for one, _ in self.points) else strain
         nodal = {"r": r, "v": v, "displacement": r - self.r0}
-        for (one, point), out in zip(self.points, self.files, strict=True):
+        rows: list[list[float]] = []
+        for one, point in self.points:
             row = [
                 point.of_nodes(nodal[q]) if q in nodal else point.of_stations(strain if q == "strain" else pulled)
                 for q in one.quantities
             ]
-            _row(out, [float(t), *np.concatenate(row).tolist()])
+            rows.append([float(t), *np.concatenate(row).tolist()])
+        if not self.files and not self.first:
+            self.first = rows
+            return
+        if not self.files:
+            self._begin()
+        for out, row in zip(self.files, rows, strict=True):
+            _row(out, row)
 
     def close(self) -> None:
         """The run is over."""
+        if self.first:
+            self._begin()
         for out in self.files:
             out.close()
 
 
-def _opened(name: str) -> Any:
+def _opened(name: str, mode: str) -> Any:
     try:
-        return open(name, "w", newline="", encoding="utf-8")
+        return open(name, mode, newline="", encoding="utf-8")
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror}", "name a file in a folder that is there", name

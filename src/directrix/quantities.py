@@ -112,13 +112,13 @@ def series(result: Result, quantity: str, of: Of = None) -> Series:
     ``of`` is a node by name or index, a point of a rod as (rod, arclength), the name of a link, contact or joint, and
     nothing for what the whole run has. Raises ModelError for what there is not.
     """
+    known = (*QUANTITIES, *STRAINS, *FORCES)
+    if not isinstance(quantity, str) or quantity not in known:  # pyright: ignore[reportUnnecessaryIsInstance]
+        hint = nearest(quantity if isinstance(quantity, str) else "", known)  # pyright: ignore
+        raise ModelError(f"there is no history of {shown(quantity)}", f"{hint}use one of {', '.join(known)}")
     for name, components in (("strain", STRAINS), ("force", FORCES)):
         if quantity in components:
             return series(result, name, of).only(quantity)
-    known = (*QUANTITIES, *STRAINS, *FORCES)
-    if not isinstance(quantity, str) or quantity not in QUANTITIES:  # pyright: ignore[reportUnnecessaryIsInstance]
-        hint = nearest(quantity if isinstance(quantity, str) else "", known)  # pyright: ignore
-        raise ModelError(f"there is no history of {shown(quantity)}", f"{hint}use one of {', '.join(known)}")
     kind = QUANTITIES[quantity]
     values, label = _READ[kind.owner](result, quantity, of)
     width = len(kind.components) or 1

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain
 from typing import Any, Literal, Protocol, cast
 
 import numpy as np
@@ -17,6 +18,7 @@ from directrix.audit import Audit
 from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
 from directrix.newton import Books
+from directrix.parts import Parts
 from directrix.result import Energy, Momentum, Result, Status
 from directrix.steplog import Log
 
@@ -25,6 +27,8 @@ Array = NDArray[np.float64]
 __all__ = ["Feed", "Progress", "Recorder", "feed_of"]
 
 Progress = Callable[[float, str], None]
+EACH = 200
+"""Bytes that an array takes beside its values."""
 
 
 class Feed(Protocol):
@@ -42,22 +46,33 @@ def feed_of(progress: object) -> Feed | None:
 
 
 class Recorder:
-    """Grows one row per saved instant; arrays are copied, so the solver may reuse its own."""
+    """Grows one row per saved instant; arrays are copied, so the solver may reuse its own.
+
+    Rows and iterations that were taken away with :meth:`take` come back, through ``earlier``, for the result.
+    """
 
     def __init__(
         self,
         disc: Discretisation,
         kind: Literal["static", "dynamic"],
+        parts: Parts | None = None,
         record: Sequence[points.Recorder] = (),
         feed: Feed | None = None,
     ) -> None:
         self.disc, self.feed = disc, feed
+        self.parts = Parts(disc.mesh) if parts is None else parts
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
-        self.rows: list[tuple[Array, ...]] = []
+        self.rows: list[dict[str, Array]] = []
         self.log = Log()
         self.iterations = self.log.iterations
+        self.away = self.steps_away = self.size = 0
         self.started = time.perf_counter()
+
+    @property
+    def count(self) -> int:
+        """Rows so far."""
+        return self.away + len(self.rows)
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
@@ -66,29 +81,82 @@ class Recorder:
         what was dissipated and the work.
         """
         n = len(r)
+        turns, spins = (x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1) for a in (3, 27))
         if self.feed is not None:
-            turns = x[:n, 3:12].reshape(n, 3, 3).transpose(0, 2, 1)
             instant = {"t": np.array(t), "r": r, "R": turns, "v": x[:n, 24:27], "strain": books.strains}
             self.feed.keep(self.disc, self.kind, {**instant, "totals": books.totals, "work": np.array(ledger[0])})
-        rotations = [x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1).copy() for a in (3, 27)]
-        scalars = np.array([t, factor, *ledger])
-        self.rows.append(
-            (
-                scalars, r.copy(), rotations[0], x[:n, 24:27].copy(), rotations[1],
-                books.reaction.copy(), books.strains.copy(), books.totals.copy(),
-                x[n:, :HISTORY].copy(), books.joints[:, :6].copy(),
-            )
-        )  # fmt: skip
-        self.live.write(t, r, x[:n, 24:27], books.strains, lambda: self._pulled(books.strains, scalars))
+        row = {
+            "scalars": np.array([t, factor, *ledger]), "totals": books.totals,
+            "r": r, "R": turns, "v": x[:n, 24:27], "Rdot": spins,
+            "reaction": books.reaction, "strain": books.strains,
+            "history": x[n:, :HISTORY], "joints": books.joints[:, :6],
+        }  # fmt: skip
+        self.live.write(t, r, x[:n, 24:27], books.strains, lambda: self._pulled(books.strains, row["scalars"]))
+        if not self.parts.whole:  # what follows from all of a state has to be found out now
+            row |= self._derived({name: value[None] for name, value in row.items()}, first=True)
+        self.rows.append({name: value.copy() for name, value in self.parts.of(row).items()})
+        self.size += sum(value.nbytes + EACH for value in self.rows[-1].values())
 
-    def result(self, status: Status, audit: Audit, info: Mapping[str, Any]) -> Result:
+    def take(self) -> dict[str, Any]:
+        """Rows and iterations since the last time, to be put where ``earlier`` of :meth:`result` finds them."""
+        return {
+            "rows": len(self.rows), "iterations": np.array(self.iterations[self.steps_away :], np.int64),
+            **(_stacked(self.rows) if self.rows else {}),
+        }  # fmt: skip
+
+    def forget(self) -> None:
+        """What was taken is safe."""
+        self.away, self.steps_away, self.size = self.count, len(self.iterations), 0
+        self.rows = []
+
+    def go_on(self, earlier: Iterable[Mapping[str, Any]]) -> None:
+        """Begin again behind what ``earlier`` gives, as :meth:`take` gave it."""
+        self.rows, self.away, self.size = [], 0, 0
+        del self.iterations[:]
+        for part in earlier:
+            self.away += part["rows"]
+            self.iterations.extend(part["iterations"].tolist())
+        self.steps_away = len(self.iterations)
+        self.live.go_on(self.away)
+
+    def adopt(self, result: Result, rows: int, steps: int) -> None:
+        """Begin again behind the first ``rows`` of a result that this kind of run left, which wait to be taken."""
+        energy, sources = result.energy, self.disc.sources.names
+        none = np.zeros(len(result.t))
+        taken = [energy.by_source.get(name, none) for name in sources]
+        done = [energy.work_by_source.get(name, none) for name in sources]
+        scalars = [result.t, result.load_factor, energy.work, energy.prescribed, energy.dissipated, *taken, *done]
+        totals = np.zeros((len(result.t), 11))
+        totals[:, 0], totals[:, 1] = energy.stored, energy.kinetic
+        totals[:, 2:5], totals[:, 5:8] = result.momentum.linear, result.momentum.angular
+        columns = {"scalars": np.stack(scalars, -1), "totals": totals}
+        columns |= {name: getattr(result, name) for name in self.parts.names()}
+        if not self.parts.whole:
+            columns |= {f"link {name}": value for name, value in result.links.items()}
+            columns |= {f"contact {name}": value for name, value in result.contacts.items()}
+        self.rows = [{name: value[k].copy() for name, value in columns.items()} for k in range(rows)]
+        self.iterations.extend(result.iterations[:steps].tolist())
+        self.live.go_on(rows)
+
+    def result(
+        self, status: Status, audit: Audit, info: Mapping[str, Any], earlier: Iterable[Mapping[str, Any]] = ()
+    ) -> Result:
         """Everything saved so far as a Result."""
         self.live.close()
-        scalars, r, rotation, v, rates, reaction, strain, totals, history, joints = (
-            np.stack(column) for column in zip(*self.rows, strict=True)
-        )
-        stressed = self._stressed(strain, scalars)
         dt, cuts = self.log.arrays()
+        found: dict[str, Array] = {}
+        first = 0
+        waiting = [{"rows": len(self.rows), **_stacked(self.rows)}] if self.rows else []
+        for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
+            last = first + part["rows"]
+            for name in part.keys() - {"rows", "iterations"}:
+                if name not in found:
+                    found[name] = np.empty((self.count, *part[name].shape[1:]))
+                found[name][first:last] = part[name]
+            first = last
+        if self.parts.whole:
+            found |= self._derived(found)
+        scalars, totals = found["scalars"], found["totals"]
         about = {
             "directrix": _version("directrix"),
             "python": platform.python_version(),
@@ -101,17 +169,9 @@ class Recorder:
         return Result(
             kind=self.kind,
             name=self.disc.model.name,
-            mesh=self.disc.mesh,
+            mesh=self.parts.mesh,
             t=scalars[:, 0],
             load_factor=scalars[:, 1],
-            r=r,
-            R=rotation,
-            v=v,
-            Rdot=rates,
-            reaction=reaction,
-            strain=strain,
-            force=self.disc.section_force(stressed),
-            density=self.disc.stored_density(stressed),
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
@@ -119,16 +179,28 @@ class Recorder:
             cuts=cuts,
             status=status,
             audit=audit,
-            info={**about, **info},
-            history=history,
-            joints=joints,
-            links=self.disc.link_states(r, rotation),
-            contacts=self.disc.contact_states(r),
+            info={**about, **self.parts.info, **info},
+            links=_named(found, "link "),
+            contacts=_named(found, "contact "),
+            history=found["history"],
+            joints=found["joints"],
+            **self.parts.filled(found, len(scalars)),
         )
 
     def _pulled(self, strain: Array, scalars: Array) -> Array:
         """Section forces (stations, 6) of one instant."""
         return self.disc.section_force(self._stressed(strain[None], scalars[None]))[0]
+
+    def _derived(self, of: Mapping[str, Array], first: bool = False) -> dict[str, Array]:
+        """Section forces, energy densities, links and contacts of rows (nt, …); of the ``first`` alone without its
+        axis."""
+        stressed = self._stressed(of["strain"], of["scalars"])
+        links = self.disc.link_states(of["r"], of["R"])
+        contacts = self.disc.contact_states(of["r"])
+        found = {"force": self.disc.section_force(stressed), "density": self.disc.stored_density(stressed)}
+        found |= {f"link {name}": state for name, state in links.items()}
+        found |= {f"contact {name}": state for name, state in contacts.items()}
+        return {name: value[0] for name, value in found.items()} if first else found
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:
         sources = self.disc.sources
@@ -147,6 +219,14 @@ class Recorder:
         if not self.disc.model.actuations:
             return strain
         return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
+
+
+def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
+    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+
+
+def _named(found: Mapping[str, Array], kind: str) -> dict[str, Array]:
+    return {name.removeprefix(kind): value for name, value in found.items() if name.startswith(kind)}
 
 
 @cache

@@ -17,7 +17,6 @@ from directrix.marks import Mark
 
 if TYPE_CHECKING:
     import pandas
-    import pyvista
     import xarray
 
     from directrix.audit import Audit
@@ -436,8 +435,8 @@ class Result:
 
         return to_xarray(self)
 
-    def to_pyvista(self, at: int | None = None) -> pyvista.PolyData | pyvista.MultiBlock:
-        """One saved instant, or all, for PyVista; see :func:`directrix.exports.to_pyvista`."""
+    def to_pyvista(self, at: int | None = None) -> Any:
+        """One saved instant (PolyData), or all (MultiBlock), for PyVista; see :func:`directrix.exports.to_pyvista`."""
         from directrix.exports import to_pyvista
 
         return to_pyvista(self, at)

@@ -1,14 +1,11 @@
-"""The folder of a run: result file, machine-readable summary, monitor table, pictures."""
+"""What a run leaves: machine-readable summary, monitor table, pictures. Its folder is in :mod:`directrix.keeping`."""
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
-from fnmatch import fnmatch
+from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -21,13 +18,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from directrix.result import Result
-    from directrix.schema import Case
 
-__all__ = ["RunFolder", "exit_code", "summary"]
+__all__ = ["exit_code", "summary"]
 
 Json: TypeAlias = "dict[str, Json] | list[Json] | str | int | float | bool | None"
 
 RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "view.html"
+COLUMNS = ("kinetic", "stored", "total", "work", "dissipated", "residual", "Lx", "Ly", "Lz", "Jx", "Jy", "Jz")
+MANY = 4096
 PICTURES, BESIDE = ("energy", "momentum", "motion"), "comparison.png"
 RECORDS = "record-*.csv"  # of the points that a case records, written while it runs
 OURS = {RESULT, SUMMARY, MONITOR, VIEW, BESIDE, *(f"{p}.png" for p in PICTURES)}
@@ -42,75 +40,25 @@ def exit_code(result: Result) -> int:
     return 0 if result.audit.passed else 4
 
 
-@dataclass(frozen=True)
-class RunFolder:
-    """A folder that holds one run and nothing else."""
+def draw_all(path: Path, result: Result, beside: Mapping[str, Result]) -> Iterator[Path]:
+    """Write the animation and, with matplotlib, the pictures to the folder ``path``; yields each path when it is there.
 
-    path: Path
+    ``beside`` (may be empty) maps labels, the result's own first, to what goes into one picture.
+    """
+    yield Path(result.view(path / VIEW))
+    if can_draw():
+        pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
+        yield from (draw(result, p, path / f"{p}.png") for p in pictures)
+        if beside:
+            from directrix.comparison import compare_energy_momentum
 
-    @classmethod
-    def claim(cls, path: Path) -> RunFolder:
-        """Make the folder, or take over one that holds an earlier run; refuses any other (InputError)."""
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-            names = {p.name for p in path.iterdir() if not p.name.startswith(".")}
-            # found out now, not after an hour of computing
-            probe = path / ".directrix-write-test"
-            probe.write_bytes(b"")
-            probe.unlink()
-        except FileExistsError:
-            raise InputError("is a file, not a folder", "name another folder with --out", str(path)) from None
-        except OSError as error:
-            raise InputError(
-                f"cannot be written: {error.strerror}", "name another folder with --out", str(path)
-            ) from None
-        foreign = sorted(name for name in names - OURS if not fnmatch(name, RECORDS))
-        if foreign:
-            raise InputError(
-                f"holds files that are not of a run: {_few(foreign)}",
-                "name another folder with --out, or move them away",
-                str(path),
-            )
-        if names and not _is_summary(path / SUMMARY):
-            raise InputError(
-                f"holds {_few(sorted(names))} but no {SUMMARY} of a run, so nothing in it is overwritten",
-                "name another folder with --out, or move them away",
-                str(path),
-            )
-        return cls(path)
+            yield Path(compare_energy_momentum(beside, path / BESIDE))
 
-    def recording(self, case: Case) -> Case:
-        """The case, so that what it records goes here; records of an earlier run go away."""
-        for old in self.path.glob(RECORDS):
-            old.unlink()
-        return replace(case, record_in=self.path)
 
-    def write(self, case: Case, result: Result) -> Iterator[Path]:
-        """Write result, summary and monitor, in place of an earlier run's; yields each path when it is there."""
-        for name in OURS - {SUMMARY}:
-            (self.path / name).unlink(missing_ok=True)
-        saved = Path(result.save(self.path / RESULT))
-        (self.path / SUMMARY).write_text(
-            json.dumps(finite(summary(case, result, saved)), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-            encoding="utf-8",
-        )
-        yield saved
-        yield self.path / SUMMARY
-        yield _monitor(self.path / MONITOR, result)
-
-    def draw(self, result: Result, beside: Mapping[str, Result]) -> Iterator[Path]:
-        """Write the animation and, with matplotlib, the pictures; yields each path when it is there.
-
-        ``beside`` (may be empty) maps labels, the result's own first, to what goes into one picture.
-        """
-        yield Path(result.view(self.path / VIEW))
-        if can_draw():
-            pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
-            yield from (draw(result, p, self.path / f"{p}.png") for p in pictures)
-            if beside:
-                from directrix.comparison import compare_energy_momentum
-
-                yield Path(compare_energy_momentum(beside, self.path / BESIDE))
+def written(path: Path) -> Iterator[Path]:
+    """The files that every run leaves in its folder ``path``, and those that this one recorded."""
+    yield from (path / name for name in (RESULT, SUMMARY, MONITOR))
+    yield from sorted(path.glob(RECORDS))
 
 
 def can_draw() -> bool:
@@ -138,21 +86,21 @@ def draw(result: Result, picture: str, path: Path, **options: Any) -> Path:
     return path
 
 
-def summary(case: Case, result: Result, saved: Path) -> Json:
-    """What ``run.json`` holds."""
+def summary(result: Result, saved: Path) -> dict[str, Json]:
+    """What ``run.json`` holds of a result and the file that it was saved to."""
     energy, audit, steps = result.energy, result.audit, result.iterations
     return {
         "program": "directrix",
-        "title": case.title,
+        "title": result.name,
         "status": {
             "code": result.status.code,
             "sentence": result.status.sentence,
             "advice": result.status.advice,
             "success": result.success,
+            "complete": result.success and audit.passed,
             "exit_code": exit_code(result),
         },
-        "input": {"path": str(case.source), "sha256": case.sha256},
-        "result": {"path": saved.name, "sha256": _sha256(saved)},
+        "result": {"path": saved.name, "sha256": sha256(saved)},
         "kind": result.kind,
         "info": {k: v if isinstance(v, (bool, int, float)) else str(v) for k, v in result.info.items()},
         "turning_points": [asdict(point) for point in result.turning_points],
@@ -219,27 +167,25 @@ def _stability(result: Result) -> Json:
     }  # fmt: skip
 
 
-def _monitor(path: Path, result: Result) -> Path:
-    """One row per saved instant, full precision."""
-    energy = result.energy
-    dt, cuts = _last_steps(result)
-    columns = {
-        "t" if result.kind == "dynamic" else "load_factor": result.t,
-        "kinetic": energy.kinetic,
-        "stored": energy.stored,
-        "total": energy.total,
-        "work": energy.work,
-        "dissipated": energy.dissipated,
-        "residual": energy.residual,
-        **{f"L{axis}": result.momentum.linear[:, k] for k, axis in enumerate("xyz")},
-        **{f"J{axis}": result.momentum.angular[:, k] for k, axis in enumerate("xyz")},
-        **({"dt": dt, "cuts": cuts} if result.dt.size else {}),
-    }
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
-    return path
+def monitor(result: Result) -> Iterator[bytes]:
+    """One row per saved instant, full precision; some thousand at a time, since numbers as Python's own take room."""
+    energy, momentum = result.energy, result.momentum
+    columns = [
+        result.t, energy.kinetic, energy.stored, energy.total, energy.work, energy.dissipated, energy.residual,
+        *momentum.linear.T, *momentum.angular.T,
+    ]  # fmt: skip
+    names = columns_of(result.kind)
+    if result.dt.size:
+        names, columns = (*names, "dt", "cuts"), [*columns, *_last_steps(result)]
+    yield (",".join(names) + "\n").encode()
+    for first in range(0, len(result.t), MANY):
+        rows = zip(*(c[first : first + MANY].tolist() for c in columns), strict=True)
+        yield "".join(",".join(map(repr, row)) + "\n" for row in rows).encode()
+
+
+def columns_of(kind: str) -> tuple[str, ...]:
+    """The head of the monitor while a run goes on; behind it are the steps in the end."""
+    return ("t" if kind == "dynamic" else "load_factor", *COLUMNS)
 
 
 def _last_steps(result: Result) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -250,21 +196,15 @@ def _last_steps(result: Result) -> tuple[NDArray[np.float64], NDArray[np.int64]]
     return np.concatenate([[0.0], result.dt])[behind], np.concatenate([[0], np.cumsum(result.cuts)])[behind]
 
 
-def _sha256(path: Path) -> str:
+def sha256(path: Path) -> str:
+    """Of the bytes of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _few(names: list[str]) -> str:
+def few(names: list[str]) -> str:
+    """The first of some names."""
     return ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
-
-
-def _is_summary(path: Path) -> bool:
-    try:
-        data: Json = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(data, dict) and data.get("program") == "directrix"
 
 
 def finite(value: Json) -> Json:

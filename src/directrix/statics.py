@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +27,18 @@ from directrix.formulations.simo_vu_quoc import SimoVuQuocStatics
 from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
 from directrix.joint_checks import refuse_joints
+from directrix.keeping import Folder, Keeper, RunFolder, fingerprint, recall, remember
 from directrix.linear.petsc import Petsc
 from directrix.model import Model
 from directrix.newton import Newton, Settings
+from directrix.parts import Keep, Parts
 from directrix.path import Walk
 from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status, TurningPoint, turn_length
 from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
 from directrix.telling import line
+from directrix.threads import one_blas_thread
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -44,6 +48,7 @@ __all__ = ["PATIENCE", "solve_static", "static_scheme", "watch_for"]
 PATIENCE = 20  # Newton iterations of a step along a path: it is cheaper to cut it
 
 
+@one_blas_thread()
 def solve_static(
     model: Model,
     steps: int | None = None,
@@ -52,6 +57,8 @@ def solve_static(
     formulation: Formulation | None = None,
     start: Result | None = None,
     save_every: int = 1,
+    keep: Keep | None = None,
+    folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
     threads: int = 1,
     linear: Petsc | str | None = None,
@@ -84,6 +91,11 @@ def solve_static(
         load control begins at 0 again.
     save_every
         Keep every so many parts; the last one is always kept.
+    keep
+        Which rods, nodes and fields: ``dx.Keep(…)``; all unless given.
+    folder
+        Where the run is kept while it goes on: a path, or ``dx.Folder(path, resume=True)`` to go on with a run that was
+        killed or interrupted, to the same digits. The result is written there in the end.
     tolerance
         Unbalanced over largest element force at which a state is accepted (never below round-off).
     threads
@@ -136,7 +148,12 @@ def solve_static(
     newton = Newton(disc, scheme, settings)
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
-    recorder = Recorder(disc, "static", record, feed_of(progress))
+    recorder = Recorder(disc, "static", Parts(disc.mesh, keep), record, feed_of(progress))
+    asked = {
+        "steps": steps, "control": control, "formulation": formulation, "tolerance": tolerance, "rotation": rotation,
+        "save_every": save_every, "keep": keep, "x": x,
+    }  # fmt: skip
+    print_ = fingerprint(disc, scheme, asked, (0.0, 1.0))
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
@@ -144,12 +161,18 @@ def solve_static(
     else:
         run = Walk(newton, control, recorder, save_every, watch)
     status = run.begin(x, start)
+    keeper = Keeper(folder, recorder, print_)
+    if keeper.memory is not None and status is None:
+        run.recall(keeper.memory)
     try:
-        status = status or run.go(reporting(progress))
+        keeper.listen()
+        status = status or run.go(reporting(progress), keeper)
     except KeyboardInterrupt:
-        status = Status("interrupted", f"interrupted at load factor {run.factor:.6g}.", "Go on with start=.")
+        status = keeper.interrupted(f"load factor {run.factor:.6g}")
     except ModelError as error:  # a user's function that fails on the way: keep what there is
         status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
+    finally:
+        keeper.hush()
     run.close()
     status = noted(status, found)
     info = {
@@ -158,8 +181,9 @@ def solve_static(
         **({"steps": steps} if control is None else {"control": repr(control)}),
         **({"stability": f"not read: {unread}"} if unread else {}),
     }  # fmt: skip
-    result = recorder.result(status, run.ledger.audit(), info)
+    result = recorder.result(status, run.ledger.audit(), info, keeper.earlier())
     result = replace(result, turning_points=tuple(run.turning_points), stability=run.stability)
+    result = keeper.finish(result)
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
@@ -176,6 +200,7 @@ class _LoadSteps:
         self.newton, self.recorder, self.steps, self.save_every = newton, recorder, steps, save_every
         self.watch, self.counts = watch, list[int]()
         self.factor, self.kept, self.cuts = 0.0, 0.0, 0
+        self.reach = 1.0 / steps
 
     def begin(self, x: Array, start: Result | None) -> None:
         """Keep the first state."""
@@ -185,13 +210,28 @@ class _LoadSteps:
         self.books = self.newton.books(x)
         self.ledger = StaticBooks(self.newton.disc, self.books)
         self._keep()
+        self.acting = self.newton.applied(x, self.newton.disc.external(0.0, 0.0))
 
-    def go(self, progress: Progress) -> Status:
+    def remember(self) -> dict[str, Any]:
+        """All that the next step depends on."""
+        own = remember(self, "x", "factor", "kept", "cuts", "reach", "acting", "counts")
+        return {"own": own, "newton": self.newton.remember(), "ledger": self.ledger.remember()}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        recall(self, memory["own"])
+        self.books = self.newton.recall(memory["newton"])
+        self.ledger.recall(memory["ledger"])
+
+    def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until load factor 1, or a step that fails at its smallest."""
         newton, disc, steps = self.newton, self.newton.disc, self.steps
-        acting, reach = newton.applied(self.x, disc.external(0.0, 0.0)), 1.0 / steps
         while self.factor < 1.0:
-            done = self.factor
+            if keeper.due(tried := len(self.recorder.iterations)):
+                keeper.keep(tried, self.factor, self.remember())
+                if keeper.stopping:
+                    return keeper.interrupted(f"load factor {self.factor:.6g}")
+            done, reach = self.factor, self.reach
             goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
             factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
             before = self.x.copy()
@@ -203,20 +243,20 @@ class _LoadSteps:
             self.recorder.iterations.append(outcome.iterations)
             if outcome.status is not None:
                 self.x = before
-                reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
-                if reach < SMALLEST / steps:
+                self.reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
+                if self.reach < SMALLEST / steps:
                     why = explained(newton, before, outcome.status)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue
-            self.books = newton.finish(self.x, acting)
+            self.books = newton.finish(self.x, self.acting)
             self.ledger.add(self.books, self.x[: disc.nodes, :3])
-            acting, self.factor = self.books.applied.copy(), factor
-            reach = min(1.0 / steps, 2.0 * reach)
-            part = round(factor * steps)
-            if factor == goal and (part % self.save_every == 0 or part == steps):
+            self.acting, self.factor = self.books.applied.copy(), factor
+            self.reach = min(1.0 / steps, 2.0 * reach)
+            if factor == goal and round(factor * steps) % self.save_every == 0:
                 self._keep()
             progress(factor, line("load factor", factor, self.recorder.iterations, cuts=self.cuts))
+        keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
         cut = f", {self.cuts} of them cut" if self.cuts else ""
         return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +42,17 @@ class Log:
         self.waiting += 1
         self.rejected += rejected
         self.failed += not rejected
+
+    def remember(self) -> dict[str, Any]:
+        """All but the iterations."""
+        more = {"lengths": list(self.lengths), "counts": list(self.counts), "cut": list(self.cut.items())}
+        return {**more, "rejected": self.rejected, "failed": self.failed, "waiting": self.waiting}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        self.lengths, self.counts = array("d", memory["lengths"]), array("q", memory["counts"])
+        self.cut = {int(k): int(count) for k, count in memory["cut"]}
+        self.rejected, self.failed, self.waiting = (int(memory[k]) for k in ("rejected", "failed", "waiting"))
 
     def arrays(self) -> tuple[Array, NDArray[np.int64]]:
         """Length of every step of a motion (steps,), and how many were thrown away before it."""

@@ -5,8 +5,9 @@ A step that cannot be taken is tried again, shorter, from the state that it bega
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,16 @@ class Beat:
         """True for a fixed step that is not cut."""
         return self.size == PARTS
 
+    def remember(self) -> dict[str, Any]:
+        """All of it, as plain values."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @staticmethod
+    def recalled(memory: Mapping[str, Any]) -> Beat:
+        """From what :meth:`remember` gave."""
+        values: dict[str, Any] = {**memory, "past": tuple((float(dt), rates) for dt, rates in memory["past"])}
+        return Beat(**values)
+
 
 class Judged(NamedTuple):
     """A step that was solved: whether it is good enough, and what to try next; None when it cannot be shorter."""
@@ -83,6 +94,12 @@ class Fixed:
     def first(self) -> Beat:
         """The first step."""
         return self._at(Beat(0.0, 0.0, self.dt, True))
+
+    def again(self, beat: Beat) -> Beat:
+        """``beat`` of a run that is gone on with, maybe to another end. Raises ModelError when it is past that."""
+        if beat.k > self.steps:
+            raise ModelError(f"the run has reached t = {beat.t:g} already", "give a later end", "t_end=")
+        return replace(beat, done=beat.k == self.steps)
 
     def _at(self, beat: Beat) -> Beat:
         t0, dt, k = self.t0, self.dt, beat.k
@@ -199,6 +216,10 @@ class Controlled:
         # two equal steps, not a long one and a crumb
         dt = 0.5 * left if 2.0 * dt > left else dt
         return replace(beat, to=beat.t + dt, dt=dt, asked=False)
+
+    def again(self, beat: Beat) -> Beat:
+        """See :meth:`Fixed.again`; the end is the same."""
+        return beat
 
     def shorter(self, beat: Beat) -> Beat | None:
         """See :meth:`Fixed.shorter`."""

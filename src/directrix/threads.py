@@ -6,11 +6,16 @@ from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import lru_cache
+from threading import Lock
 from typing import Any
 
 from threadpoolctl import ThreadpoolController
 
 __all__ = ["Share", "crew", "in_turn", "one_blas_thread"]
+
+_LOCK = Lock()
+_HELD: list[Any] = []
+"""The limit that is set, and one more for everyone who asked for it."""
 
 Share = Callable[[Callable[[Any], Any], Iterable[Any]], list[Any]]
 
@@ -27,10 +32,22 @@ def _libraries() -> ThreadpoolController:
 
 @contextmanager
 def one_blas_thread() -> Generator[None]:
-    """BLAS and LAPACK work on the calling thread alone: how they share work among threads changes the last digits."""
-    libraries: Any = _libraries()
-    with libraries.limit(limits=1, user_api="blas"):
+    """BLAS and LAPACK work on the calling thread alone: how they share work among threads changes the last digits.
+
+    The limit is that of the process: the first to ask sets it, the last to leave takes it back.
+    """
+    with _LOCK:
+        if not _HELD:
+            libraries: Any = _libraries()
+            _HELD.append(libraries.limit(limits=1, user_api="blas"))
+        _HELD.append(None)
+    try:
         yield
+    finally:
+        with _LOCK:
+            _HELD.pop()
+            if len(_HELD) == 1:
+                _HELD.pop().restore_original_limits()
 
 
 @contextmanager

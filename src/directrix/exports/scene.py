@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,10 @@ from directrix.exports.labelled import needed
 from directrix.result import Result
 from directrix.storage.fields import cell_data, field_data, lines, point_data, points_of
 
-if TYPE_CHECKING:
-    import pyvista
-
 __all__ = ["to_pyvista"]
 
 
-def to_pyvista(result: Result, at: int | None = None) -> pyvista.PolyData | pyvista.MultiBlock:
+def to_pyvista(result: Result, at: int | None = None) -> Any:
     """The saved instant ``at`` as PolyData (negative counts from the end), or all of them as a MultiBlock.
 
     One line cell an element through its nodes. Point data: displacement, velocity, directors ``d1``, ``d2``, ``d3``,

@@ -85,7 +85,7 @@ def check_formulation(
     moved = _turned(x, layout, whole, only_end=static)
     f, g = (_forces(element, layout, y, p, common) for y in (x, moved))
     expected = np.einsum("sij,snj->sni", whole, f.reshape(states, -1, 3)).reshape(f.shape)
-    objectivity = float((np.abs(g - expected).max(axis=1) / np.abs(f).max(axis=1)).max())
+    objectivity = float((np.abs(g - expected).max(axis=1) / (np.abs(f).max(axis=1) + TINY)).max())
     still = _forces(element, layout, x, p, [0.0] * 3)
     at = x[:, : layout.nn, :3] - (0.0 if static else 0.5) * x[:, : layout.nn, 12:15]
     parts = still.reshape(states, layout.nn, 2, 3)

@@ -61,8 +61,9 @@ def section_for(sections: Sections, key: Any, where: str) -> Section:
         return sections
     if not isinstance(sections, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ModelError(f"sections = {shown(sections)} are neither a section nor a table of them", "use dx.Section")
-    if key in sections:
-        return sections[key]
+    for known in (key, str(key)):  # keys of a case are text, tags of a mesh numbers
+        if known in sections:
+            return sections[known]
     names = [str(k) for k in sections]
     raise ModelError(
         f"{where} is of {key!r}, for which there is no section",

@@ -180,7 +180,7 @@ def _refuse_rows(points: Array, label: Sequence[str]) -> None:
     cosine = np.einsum("ki,ki->k", steps[1:], steps[:-1]) / (sizes[1:] * sizes[:-1])
     for k in np.flatnonzero(cosine < TURNS_BACK):
         raise InputError(
-            "the axis turns back here: the rows are not in order", "sort them along the axis", label[k + 1]
+            "the axis turns back here: the rows are not in order", "sort them along the axis", label[int(k) + 1]
         )
 
 

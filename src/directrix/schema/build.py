@@ -111,7 +111,7 @@ def entries_of(tables: m.CaseFile, blame: Blame) -> Iterator[tuple[Path, Add]]:
             sections[name] = _section(table, sections)
         except ModelError as error:
             blame.note(("section", name), error)
-    folder = FilePath(blame.source.name).parent
+    folder = blame.source.folder
     for k, rod in enumerate(tables.rod):
         yield ("rod", k), partial(_rod, rod, sections, folder)
     for k, made in enumerate(tables.geometry):

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from directrix.controls import Control
     from directrix.discretisation import Discretisation
     from directrix.integrators import Formulation, Integrator
+    from directrix.keeping import Folder, RunFolder
     from directrix.points import Recorder
     from directrix.refinement import Refined
     from directrix.result import Result
@@ -69,6 +70,7 @@ class Case:
     warnings : what is likely not meant
     records : the ``[[record]]`` tables
     record_in : the folder that their files go to; without one nothing is recorded
+    raw : the file's bytes
     """
 
     title: str
@@ -82,6 +84,7 @@ class Case:
     warnings: tuple[Finding, ...] = ()
     records: tuple[Recorder, ...] = ()
     record_in: pathlib.Path | None = None
+    raw: bytes = b""
 
     @property
     def step(self) -> float | Adaptive:
@@ -121,6 +124,21 @@ class Case:
         stepping(self.step, 0.0, do.t_end, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))
 
+    def kept_in(self, path: pathlib.Path, **options: bool) -> Folder:
+        """A folder to run it in, with checkpoints as the case asks for them."""
+        from directrix.keeping import Folder
+
+        out = self.output
+        return Folder(path, seconds=out.checkpoint_seconds, steps=out.checkpoint_steps, **options)
+
+    def until(self, t_end: float) -> Case:
+        """The same case with another end. Raises InputError for a static one."""
+        if isinstance(self.analysis, Statics):
+            raise InputError("a static case has no end in time", "leave --until out", str(self.source))
+        if self.analysis.adaptive is not None:
+            raise InputError("steps that adapt depend on the end", "leave --until out", str(self.source))
+        return replace(self, analysis=self.analysis.model_copy(update={"t_end": checks.number(t_end, "--until")}))
+
     def findings(self) -> tuple[Finding, ...]:
         """What may be wrong with the case, though it can be run. Raises ModelError."""
         static = isinstance(self.analysis, Statics)
@@ -131,8 +149,13 @@ class Case:
         """What drives a static path; None is load control. Raises ModelError."""
         return build_control(self.analysis.control) if isinstance(self.analysis, Statics) else None
 
-    def run(self, progress: Callable[[float, str], None] | None = None, threads: int = 1) -> Result:
-        """Solve it, a frame with so many ``threads``.
+    def run(
+        self,
+        progress: Callable[[float, str], None] | None = None,
+        threads: int = 1,
+        folder: Folder | RunFolder | str | PathLike[str] | None = None,
+    ) -> Result:
+        """Solve it, a frame with so many ``threads``, in a ``folder`` if there is one.
 
         Raises ModelError; a run that fails on the way is a Result with ``success`` False.
         """
@@ -152,6 +175,8 @@ class Case:
                 threads=threads,
                 save_every=save_every,
                 record=self._recorders(),
+                keep=self.output.keeps,
+                folder=folder,
                 progress=progress,
             )
         return simulate(
@@ -164,6 +189,8 @@ class Case:
             threads=threads,
             save_every=save_every,
             record=self._recorders(),
+            keep=self.output.keeps,
+            folder=folder,
             progress=progress,
         )
 
@@ -238,27 +265,29 @@ class Case:
         return replace(self, analysis=self.analysis.model_copy(update={**own, "integrator": integrator}))
 
 
-def load_case(path: str | PathLike[str]) -> Case:
-    """Read a TOML or JSON case file.
+def load_case(path: str | PathLike[str], title: str = "", beside: pathlib.Path | None = None) -> Case:
+    """Read a TOML or JSON case file; one that gives itself no title has ``title``, or the name of the file.
+
+    Files that it names are looked for in the folder ``beside``; its own unless given.
 
     Raises InputError for anything that cannot be right in the file or the model: all that is wrong at once, each with
     file, line, column and key in its ``mistakes``.
     """
     with np.errstate(all="ignore"):  # what overflows is refused for what comes of it
-        return _load(checks.file(path, "path"))
+        return _load(checks.file(path, "path"), title, beside)
 
 
-def _load(file: pathlib.Path) -> Case:
+def _load(file: pathlib.Path, title: str, beside: pathlib.Path | None) -> Case:
     raw = read(file)
     source, noted = parse(file, raw)
-    source = replace(source, data=migrated(source))
+    source = replace(source, data=migrated(source), folder=beside or file.parent)
     units = _units(source)
     tables, wrong = _tables(source, units)
     blame = Blame(source, wrong.left)
     found = [*noted, *wrong.found]
     if tables is None:
         raise together(found)
-    title = tables.title or file.stem
+    title = tables.title or title or file.stem
     model = build_model(tables, title, blame)
     static = tables.statics is not None
     if not found and not blame.found:
@@ -266,7 +295,16 @@ def _load(file: pathlib.Path) -> Case:
         assert analysis is not None  # one of them, says the schema
         sha = hashlib.sha256(raw).hexdigest()
         case = Case(
-            title, tables.description, model, analysis, tables.output, file, sha, units, plausible(tables, model, units)
+            title,
+            tables.description,
+            model,
+            analysis,
+            tables.output,
+            file,
+            sha,
+            units,
+            plausible(tables, model, units),
+            raw=raw,
         )
         try:
             disc = case.check()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path as FilePath
 from typing import Any, cast, get_args
 
 from pydantic import BaseModel
@@ -25,6 +26,8 @@ class Source:
     name: str
     data: Mapping[str, Any]
     spots: Mapping[Path, Spot]
+    folder: FilePath = FilePath()
+    """Where files that it names are looked for."""
 
     def where(self, loc: Sequence[str | int] = (), missing: bool = False) -> str:
         """``file.toml:12:1: rod[left].elements`` for a path.

@@ -11,6 +11,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from directrix.checks import step_count
 from directrix.errors import ModelError
+from directrix.parts import FIELDS, Keep
 from directrix.schema.base import (
     ACCELERATION,
     ANGLE,
@@ -720,6 +721,20 @@ class Output(Strict):
 
     save_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
     """Keep every so many steps; the last one is always kept."""
+    keep: Annotated[tuple[Name, ...] | None, Field(strict=False, min_length=1)] = None
+    """Names of the nodes and rods to keep; all unless given."""
+    fields: Annotated[tuple[Literal["velocity", "reaction", "force"], ...], Field(strict=False)] = FIELDS
+    """What to keep of them beside positions and rotations; "force" with the strains."""
+    checkpoint_seconds: Annotated[float, Field(ge=0.0)] = 20.0
+    """Time between two checkpoints."""
+    checkpoint_steps: Annotated[int, Field(ge=1, le=1_000_000_000)] | None = None
+    """A checkpoint after so many steps as well."""
+
+    @property
+    def keeps(self) -> Keep | None:
+        """What is kept, as the solvers take it; None is all."""
+        keep = Keep(self.keep, self.fields)
+        return None if keep == Keep() else keep
 
 
 class Record(Strict):

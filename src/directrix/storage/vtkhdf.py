@@ -20,8 +20,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any
-from uuid import uuid4
+from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
@@ -31,6 +30,7 @@ from directrix import checks
 from directrix.audit import Audit, Entry
 from directrix.critical import CriticalPoint, PathStability
 from directrix.errors import InputError
+from directrix.keeping import disk
 from directrix.marks import mark_from
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
 from directrix.storage.fields import cell_data, field_data, lines, one_after_the_other, point_data, points_of
@@ -61,23 +61,60 @@ def save(result: Result, path: str | os.PathLike[str]) -> str:
         raise InputError("this is a folder, not a file", "name a file in it, such as result.vtkhdf", where)
     if not os.path.isdir(file.parent):
         raise InputError(f"there is no folder {str(file.parent)!r}", "make the folder first", where)
-    image = io.BytesIO()  # HDF5 cannot stand a failing write: a full disk may end the process
-    with h5py.File(image, "w") as root:
-        _write_vtk(root.create_group("VTKHDF"), result)
-        _write_result(root.create_group("directrix"), result)
-    part = file.with_name(f".{uuid4().hex}.part")
     try:
-        with part.open("xb") as disk:
-            disk.write(image.getbuffer())
-            disk.flush()
-            os.fsync(disk.fileno())
-        part.replace(file)
+        with disk.replacing(file) as part:
+            _write(result, _Patient(part))
     except OSError as error:
-        what = f"cannot be written: {error.strerror or error}"
-        raise InputError(what, "check free space and permissions", where) from None
-    finally:
-        part.unlink(missing_ok=True)
+        raise disk.refused(error, where, _size(result)) from None
     return where
+
+
+class _Patient(io.RawIOBase):
+    """A file whose failing writes HDF5 does not see: it cannot stand one, a full disk may end the process."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.file = file
+        self.error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        if self.error is None:
+            try:
+                disk.write(self.file, data)
+            except OSError as error:
+                self.error = error
+        return len(data)
+
+    def readinto(self, buffer: Any) -> int:
+        return self.file.readinto(buffer)  # type: ignore[attr-defined]
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        return self.file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self.file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        return self.file.truncate(size) if self.error is None else 0
+
+    def flush(self) -> None:
+        pass
+
+
+def _write(result: Result, file: _Patient) -> None:
+    try:
+        with h5py.File(file, "w") as root:
+            _write_vtk(root.create_group("VTKHDF"), result)
+            _write_result(root.create_group("directrix"), result)
+    except Exception:
+        if file.error is None:
+            raise
+    if file.error is not None:
+        raise file.error
+
+
+def _size(result: Result) -> int:
+    """About the bytes that a file of ``result`` takes."""
+    return 2 * sum(getattr(result, name).nbytes for name in (*HISTORIES, "history", "joints")) + 100_000
 
 
 def load(path: str | os.PathLike[str]) -> Result:
@@ -170,7 +207,8 @@ def _write_result(root: h5py.Group, result: Result) -> None:
         "name": result.name,
         "status": asdict(result.status),
         "audit": asdict(result.audit),
-        "info": dict(result.info),
+        # the same run gives the same bytes, however long it took
+        "info": {name: value for name, value in result.info.items() if name != "wall_seconds"},
         "rod_names": [rod.name for rod in mesh.rods],
         "node_names": {name: int(k) for name, k in mesh.node_names.items()},
         "mesh_notes": mesh.notes,
