@@ -164,6 +164,11 @@ def _number(value: float | None, form: str = ".2g") -> str:
     return "–" if value is None else format(value, form)
 
 
+def _remark(line: Line) -> str:
+    stopped = f"stopped at t = {line['reached']:.3g}" if line.get("reached") and not line["completed"] else ""
+    return "; ".join(said for said in (stopped, line.get("note", "").replace("|", "/")) if said)
+
+
 def _row(line: Line, name: str) -> str:
     end = {"swing": 1.0, "accuracy": 1.0, "flight": 30.0, "spaghetti": 10.0}[line["case"]]
     speed = (
@@ -174,7 +179,7 @@ def _row(line: Line, name: str) -> str:
     cells = [
         f"{name} {line['variant']}", str(line["n"]), f"{line['dt']:.3g}", "yes" if line["completed"] else "no",
         _number(line["cpu"] if line["completed"] else None, ".3g"), _number(speed), _number(line.get("off"), ".1e"),
-        _number(line["drift"], ".1e"), _number(line.get("ratio"), ".3g"), line.get("note", "").replace("|", "/"),
+        _number(line["drift"], ".1e"), _number(line.get("ratio"), ".3g"), _remark(line),
     ]  # fmt: skip
     return "| " + " | ".join(cells) + " |"
 
