@@ -22,7 +22,7 @@ A, B, LENGTH, WEIGHT = (0.0, 0.0, 0.0), (8.0, 0.0, 1.5), 12.0, 9.81
 def main(*, elements: int = 40, out: str | None = None) -> dict[str, float]:
     """Sag, tensions and reactions beside those of the catenary."""
     curve = dx.catenary(A, B, length=LENGTH)
-    EA, EI = 1e7, 1e-3
+    EA, EI = 1e6, 1e-2
     section = dx.Section.from_moduli(EA=EA, GA1=EA, GA2=EA, EI1=EI, EI2=EI, GJ=EI, A_rho=1.0)
     model = (
         dx.Model(name="catenary")
