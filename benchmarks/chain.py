@@ -23,6 +23,8 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 import directrix as dx
+from directrix.bench import flying_rod
+from directrix.bench import least as cpu
 from directrix.discretisation import discretise
 from directrix.fast import fast_for
 from directrix.kernels import strips as kernel
@@ -38,21 +40,6 @@ PHASES = ((100, 1), (1000, 1), (10_000, 1), (500, 2))
 LINE = "{:>8}  {:>5}  {:>10}  {:>14}  {:>7}  {:>13}  {:>13}"
 
 
-def rod(n: int, order: int = 1) -> dx.Model:
-    """A flying rod that bends, twists and turns."""
-    section = dx.Section.from_moduli(
-        EA=2500, GA1=961.5, GA2=961.5, EI1=10, EI2=10, GJ=7.7, A_rho=2.5, I_rho1=0.01, I_rho2=0.01
-    )
-    axis = dx.line((0, 0, 0), (0.2 * n, 0, 0))
-    return (
-        dx.Model(name=f"{n} elements")
-        .rod(axis, section, name="rod", ends=("A", "B"), elements=n, order=order)
-        .velocity("A", (0, 0, -1))
-        .velocity("B", (0, 0.5, 1))
-        .rigid_velocity((0, 0, 0.1), (0, 0.02, 0), about=(0, 0, 0))
-    )
-
-
 def banded(n: int) -> Callable[[], object]:
     """LAPACK on the band of a chain: 6 (n + 1) unknowns, 11 diagonals on either side."""
     rng = np.random.default_rng(1)
@@ -63,23 +50,16 @@ def banded(n: int) -> Callable[[], object]:
     return lambda: solve_banded((11, 11), band, right, check_finite=False)
 
 
-def seconds(call: Callable[[], object]) -> float:
-    """CPU time of one call: other work on the machine is not counted."""
-    start = time.process_time()
-    call()
-    return time.process_time() - start
-
-
 def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Result]:
     """Best seconds of a run, best and typical ratio of one iteration to LAPACK's solution, and the result."""
-    model, lapack = rod(n, order), banded(n * order)
+    model, lapack = flying_rod(n, order), banded(n * order)
     dx.simulate(model, t_end=2 * DT, dt=DT)
     results: list[dx.Result] = []
 
     def run() -> None:
         results.append(dx.simulate(model, t_end=steps * DT, dt=DT, save_every=steps))
 
-    times = [(seconds(run), min(seconds(lapack) for _ in range(5))) for _ in range(ROUNDS)]
+    times = [(cpu(run, 1), cpu(lapack, 5)) for _ in range(ROUNDS)]
     iterations = float(results[-1].iterations.sum())
     ratios = [run / iterations / solve for run, solve in times]
     return min(t for t, _ in times), min(ratios), float(np.median(ratios)), results[-1]
@@ -88,9 +68,9 @@ def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Res
 def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     """By phase: ns per element, and how often a step runs it."""
     scheme = dx.EnergyMomentum().scheme(DT)
-    disc = discretise(rod(n, order), scheme)
+    disc = discretise(flying_rod(n, order), scheme)
     newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
-    fast = fast_for(newton)
+    fast = fast_for(newton, DT)
     assert fast is not None
     strips, results = fast.strips, np.zeros((40, 19))
     strips.pack(x)
@@ -126,7 +106,7 @@ def least(call: Callable[[], object], rounds: int = 40) -> float:
 
 def long_rod(n: int = 100_000, steps: int = 3) -> str:
     """A line on a rod of so many elements."""
-    model = rod(n)
+    model = flying_rod(n)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.process_time()
     result = dx.simulate(model, t_end=steps * DT, dt=DT, save_every=steps)

@@ -19,7 +19,7 @@ import directrix as dx
 from directrix.curves import lines
 from directrix.discretisation import discretise
 from directrix.kernels import step
-from directrix.linear.condensed import Condensed
+from directrix.linear.condensed import Condensed, usual
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 
@@ -73,7 +73,7 @@ def main(edge: int = 10) -> None:
     print(f"{edge}³ joints, {disc.elements} elements, {6 * len(newton.work.rhs)} unknowns")
     print(f"once: describe {described:.2f} s, mesh {meshed:.2f} s, analyse {order:.2f} s")
     print(f"an iteration: assemble {assembled:.3f} s, solve {solved:.3f} s, together {assembled + solved:.3f} s")
-    two = Condensed(disc.pattern.rowptr, disc.pattern.column, threads=2)
+    two = Condensed(disc.pattern.rowptr, disc.pattern.column, usual(2))
     ratios: list[float] = []
     for _ in range(5):  # wall time, in turns: two threads need two free cores
         one_s, two_s = (

@@ -27,8 +27,8 @@ from directrix.storage import load
 
 HERE = Path(__file__).parent
 COMMANDS = {
-    "new", "convert", "export", "verify", "movie", "paper", "run", "resume", "refine", "check", "info", "plot", "view",
-    "examples", "schema", "doctor",
+    "bench", "new", "convert", "export", "verify", "movie", "paper", "run", "resume", "refine", "check", "info", "plot",
+    "view", "examples", "schema", "doctor",
 }  # fmt: skip
 ALWAYS = {"result.vtkhdf", "run.json", "monitor.csv"}
 BESIDE = {"input.toml", "log.jsonl", ".lock", "parts"}

@@ -549,6 +549,20 @@ def doctor() -> int:
     return 0 if passed else 4
 
 
+@app.command(epilog="Example: directrix bench")
+@_guarded
+def bench() -> int:
+    """Measure how fast this machine takes steps of rods of 20, 100 and 1000 elements."""
+    from directrix.bench import measured
+
+    print("elements  ns per element and iteration  µs per element and step")
+    good = True
+    for speed in measured():
+        print(f"{speed.elements:>8}  {1e9 * speed.iteration:>28.0f}  {1e6 * speed.step:>23.2f}")
+        good = good and speed.good
+    return 0 if good else 4
+
+
 @app.command(epilog="Example: directrix verify --list")
 @_guarded
 def verify(

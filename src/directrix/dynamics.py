@@ -144,7 +144,8 @@ def simulate(
         "t0": t0, "dt": dt, "t_end": t_end if pace.adaptive else None, "integrator": integrator,
         "load_rule": load_rule, "tolerance": tolerance, "save_every": save_every, "keep": keep, "x": x,
     }  # fmt: skip
-    keeper = Keeper(folder, recorder, fingerprint(disc, scheme, asked, (t0, beat.to)))
+    print_ = "" if folder is None else fingerprint(disc, scheme, asked, (t0, beat.to))
+    keeper = Keeper(folder, recorder, print_)
 
     def memory() -> dict[str, Any]:
         return {

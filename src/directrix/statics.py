@@ -153,7 +153,7 @@ def solve_static(
         "steps": steps, "control": control, "formulation": formulation, "tolerance": tolerance, "rotation": rotation,
         "save_every": save_every, "keep": keep, "x": x,
     }  # fmt: skip
-    print_ = fingerprint(disc, scheme, asked, (0.0, 1.0))
+    print_ = "" if folder is None else fingerprint(disc, scheme, asked, (0.0, 1.0))
     watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from directrix.errors import InputError
+from directrix.errors import InputError, ModelError
 from directrix.keeping.folder import Folder, RunFolder
 from directrix.keeping.packing import pack
 from directrix.keeping.store import resume_command
@@ -178,6 +178,14 @@ class Keeper:
             signal.signal(s, signal.SIG_DFL if hard else handler)
 
 
+def _loads(disc: Discretisation, t: float) -> object:
+    """At a time; what a function says that has none then, which ends the run when it gets there."""
+    try:
+        return disc.external(t, 1.0)
+    except ModelError as error:
+        return error.what
+
+
 def fingerprint(disc: Discretisation, scheme: Scheme, settings: Mapping[str, Any], times: tuple[float, ...]) -> str:
     """A number that is the same for the same system of equations: what the loops read, loads at some ``times``."""
     asked: dict[str, Any] = {name: v if isinstance(v, np.ndarray) else repr(v) for name, v in settings.items()}
@@ -185,6 +193,6 @@ def fingerprint(disc: Discretisation, scheme: Scheme, settings: Mapping[str, Any
         "scheme": repr(scheme), "settings": asked,
         "groups": [[repr(g.element), repr(g.layout), list(g.names), g.conn, g.parameters] for g in disc.groups],
         "r0": disc.mesh.r0, "fixed": disc.fixed.astype(int), "joints": list(disc.mesh.joints),
-        "loads": [disc.external(t, 1.0) for t in times], "mass": disc.lumped if scheme.lumped else None,
+        "loads": [_loads(disc, t) for t in times], "mass": disc.lumped if scheme.lumped else None,
     }  # fmt: skip
     return hashlib.sha256(pack(said)).hexdigest()
