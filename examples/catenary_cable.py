@@ -1,4 +1,7 @@
-"""A cable that hangs between two points, against the equation of the catenary.
+"""Hanging cable and its catenary
+==============================
+
+A cable that hangs between two points, against the equation of the catenary.
 
 ``dx.catenary`` gives the curve of a chain of length 12 between points 8 apart, one 1.5 higher. A rod of that shape, so
 soft in bending and so stiff in stretching that it is next to a chain, is put under its weight: it should stay where it

@@ -1,4 +1,7 @@
-"""The rate of a helix spring, against the formula of springs and against Castigliano's theorem.
+"""Rate of a helix spring
+======================
+
+The rate of a helix spring, against the formula of springs and against Castigliano's theorem.
 
 A wire of diameter d is wound into n coils of mean diameter D and pressed along its axis between seats that neither turn
 nor shift. The formula of springs, k = G d⁴/(8 D³ n), knows torsion of the wire alone. Castigliano's theorem with all

@@ -1,4 +1,7 @@
-"""A tapered blade, straight and twisted by 90°: frequencies and deflection against published and independent numbers.
+"""Tapered and twisted blade
+=========================
+
+A tapered blade, straight and twisted by 90°: frequencies and deflection against published and independent numbers.
 
 A cantilever of constant width whose height falls linearly to half has the first frequencies
 ω = λ √(EI0/ρA0)/L², λ = 3.8238, 18.3173, 47.2648 (Euler–Bernoulli; Downs, J. Appl. Mech. 44 (1977) 737–742). Such a

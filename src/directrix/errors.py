@@ -26,7 +26,7 @@ class ModelError(DirectrixError, ValueError):
     where
         The member, node, key or file and line, when it is not in ``what`` already.
     code
-        What kind of error it is, for programs and for docs/errors.md; see :mod:`directrix.codes`.
+        What kind of error it is, for programs and for docs/errors.md; see ``directrix.codes``.
     """
 
     usual = "DX400"

@@ -215,7 +215,7 @@ class RodHistory:
     force: Array
 
     def stress(self, section: Any, **options: Any) -> Array:
-        """Stresses (nt, stations, points, 3) of a `sectionproperties` section; see :func:`directrix.shapes.stress`."""
+        """Stresses (nt, stations, points, 3) of a `sectionproperties` section; see ``directrix.shapes.stress``."""
         from directrix.shapes import stress
 
         return stress(section, self.force, **options)
@@ -412,7 +412,7 @@ class Result:
 
     def movie(self, path: str | PathLike[str], **options: Any) -> str:
         """Write the motion as a .gif or .mp4 file; returns its path. ``options``: ``seconds``, ``fps``, ``width``,
-        ``height``, ``field``, see :func:`directrix.movie.write_movie`; needs matplotlib."""
+        ``height``, ``field``, see ``directrix.movie.write_movie``; needs matplotlib."""
         from directrix.movie import write_movie
 
         return write_movie(self, path, **options)
@@ -424,43 +424,43 @@ class Result:
         return save(self, path)
 
     def to_pandas(self, table: str = "nodes") -> pandas.DataFrame:
-        """One table as a DataFrame; see :func:`directrix.exports.to_pandas`."""
+        """One table as a DataFrame; see ``directrix.exports.to_pandas``."""
         from directrix.exports import to_pandas
 
         return to_pandas(self, table)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Everything as labelled arrays; see :func:`directrix.exports.to_xarray`."""
+        """Everything as labelled arrays; see ``directrix.exports.to_xarray``."""
         from directrix.exports import to_xarray
 
         return to_xarray(self)
 
     def to_pyvista(self, at: int | None = None) -> Any:
-        """One saved instant (PolyData), or all (MultiBlock), for PyVista; see :func:`directrix.exports.to_pyvista`."""
+        """One saved instant (PolyData), or all (MultiBlock), for PyVista; see ``directrix.exports.to_pyvista``."""
         from directrix.exports import to_pyvista
 
         return to_pyvista(self, at)
 
     def to_csv(self, folder: str | PathLike[str]) -> str:
-        """Write every table as a CSV file into a folder, which it returns; see :func:`directrix.exports.to_csv`."""
+        """Write every table as a CSV file into a folder, which it returns; see ``directrix.exports.to_csv``."""
         from directrix.exports import to_csv
 
         return to_csv(self, folder)
 
     def to_npz(self, path: str | PathLike[str]) -> str:
-        """Write the arrays for NumPy; returns the path. See :func:`directrix.exports.to_npz`."""
+        """Write the arrays for NumPy; returns the path. See ``directrix.exports.to_npz``."""
         from directrix.exports import to_npz
 
         return to_npz(self, path)
 
     def to_mat(self, path: str | PathLike[str]) -> str:
-        """Write the arrays for MATLAB; returns the path. See :func:`directrix.exports.to_mat`."""
+        """Write the arrays for MATLAB; returns the path. See ``directrix.exports.to_mat``."""
         from directrix.exports import to_mat
 
         return to_mat(self, path)
 
     def to_xlsx(self, path: str | PathLike[str]) -> str:
-        """Write every table as a sheet of an Excel file; returns the path. See :func:`directrix.exports.to_xlsx`."""
+        """Write every table as a sheet of an Excel file; returns the path. See ``directrix.exports.to_xlsx``."""
         from directrix.exports import to_xlsx
 
         return to_xlsx(self, path)
@@ -468,7 +468,7 @@ class Result:
     def to_gltf(
         self, path: str | PathLike[str], *, frames: int = 240, duration: float | None = None, up: str = "z"
     ) -> str:
-        """Write an animation for any viewer of 3-D scenes; returns the path. See :func:`directrix.exports.to_gltf`."""
+        """Write an animation for any viewer of 3-D scenes; returns the path. See ``directrix.exports.to_gltf``."""
         from directrix.exports import to_gltf
 
         return to_gltf(self, path, frames=frames, duration=duration, up=up)

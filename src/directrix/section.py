@@ -223,7 +223,7 @@ class Section:
     ) -> Section:  # fmt: skip
         """A rolled or hollow steel profile by its name, "IPE200", "HEA 160", "UPN 100", "CHS 60.3x5", "RHS 100x50x4".
 
-        Its web is along d2. ``unit`` is a millimetre in the units of the model; see :mod:`directrix.profiles`, also for
+        Its web is along d2. ``unit`` is a millimetre in the units of the model; see ``directrix.profiles``, also for
         what is raised.
         """
         from directrix.profiles import section_of
@@ -235,7 +235,7 @@ class Section:
         cls, section: Any, *, axis: str | tuple[float, float] = "centroid", E: float | None = None,
         nu: float | None = None, rho: float | None = None,
     ) -> Section:  # fmt: skip
-        """Any shape from the package `sectionproperties`; see :func:`directrix.shapes.section_of`."""
+        """Any shape from the package `sectionproperties`; see ``directrix.shapes.section_of``."""
         from directrix.shapes import section_of
 
         return section_of(section, axis=axis, E=E, nu=nu, rho=rho)

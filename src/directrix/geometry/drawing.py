@@ -46,7 +46,7 @@ def from_dxf(
     scale
         A length of the drawing in lengths of the model. The unit that the drawing says is reported, not used.
     snap, model, options
-        As for :func:`directrix.geometry.assemble` and ``Model.rod``; all snapping is reported in ``model.imported``.
+        As for ``directrix.geometry.assemble`` and ``Model.rod``; all snapping is reported in ``model.imported``.
 
     Raises ModelError when ezdxf is missing, the file is no drawing, or holds no curve on these layers.
     """

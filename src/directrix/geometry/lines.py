@@ -50,7 +50,7 @@ def from_mesh(
     elements
         Of every rod; one a cell unless given. ``options`` are others of ``Model.rod``.
     snap, model
-        As for :func:`directrix.geometry.assemble`; all snapping is reported in ``model.imported``.
+        As for ``directrix.geometry.assemble``; all snapping is reported in ``model.imported``.
 
     Raises ModelError when meshio is missing, the file cannot be read, has no line cells, or a group has no section.
     """
