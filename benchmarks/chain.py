@@ -23,8 +23,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 import directrix as dx
-from directrix.bench import flying_rod
-from directrix.bench import least as cpu
+from directrix.bench import flying_rod, least
 from directrix.discretisation import discretise
 from directrix.fast import fast_for
 from directrix.kernels import strips as kernel
@@ -59,7 +58,7 @@ def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Res
     def run() -> None:
         results.append(dx.simulate(model, t_end=steps * DT, dt=DT, save_every=steps))
 
-    times = [(cpu(run, 1), cpu(lapack, 5)) for _ in range(ROUNDS)]
+    times = [(least(run, 1), least(lapack, 5)) for _ in range(ROUNDS)]
     iterations = float(results[-1].iterations.sum())
     ratios = [run / iterations / solve for run, solve in times]
     return min(t for t, _ in times), min(ratios), float(np.median(ratios)), results[-1]
@@ -90,18 +89,7 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
         "right-hand side through old factors": (lambda: pass_again(code, main), iterations - tangents),
         "books": (lambda: kernel.close(code, main, g, work), 1.0),
     }
-    return {name: (1e9 * least(call) / n, times) for name, (call, times) in calls.items()}
-
-
-def least(call: Callable[[], object], rounds: int = 40) -> float:
-    """Least seconds by the clock: what is too short for the CPU time that the system counts."""
-    call()
-    times: list[float] = []
-    for _ in range(rounds):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return min(times)
+    return {name: (1e9 * least(call, 41, time.perf_counter) / n, times) for name, (call, times) in calls.items()}
 
 
 def long_rod(n: int = 100_000, steps: int = 3) -> str:

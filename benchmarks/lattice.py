@@ -12,10 +12,10 @@ import itertools
 import resource
 import sys
 import time
-from collections.abc import Callable
 from typing import Any
 
 import directrix as dx
+from directrix.bench import least
 from directrix.curves import lines
 from directrix.discretisation import discretise
 from directrix.kernels import step
@@ -44,16 +44,6 @@ def lattice(edge: int, elements: int = 4) -> dx.Model:
     return model.gravity((0, 0, -9.81))
 
 
-def best(call: Callable[[], object], rounds: int = 3, clock: Callable[[], float] = time.process_time) -> float:
-    """Least seconds of a call, CPU time unless said otherwise."""
-    times: list[float] = []
-    for _ in range(rounds):
-        start = clock()
-        call()
-        times.append(clock() - start)
-    return min(times)
-
-
 def main(edge: int = 10) -> None:
     """Print one line."""
     clock = time.process_time()
@@ -68,8 +58,10 @@ def main(edge: int = 10) -> None:
     clock = time.process_time()
     analysed = newton.sparse
     order = time.process_time() - clock
-    assembled = best(lambda: step.assemble(newton.tables, newton.work, x, newton.globals, external, newton.mask, False))
-    solved = best(lambda: analysed.solve(newton.work.blocks, newton.work.rhs))
+    assembled = least(
+        lambda: step.assemble(newton.tables, newton.work, x, newton.globals, external, newton.mask, False), 3
+    )
+    solved = least(lambda: analysed.solve(newton.work.blocks, newton.work.rhs), 3)
     print(f"{edge}³ joints, {disc.elements} elements, {6 * len(newton.work.rhs)} unknowns")
     print(f"once: describe {described:.2f} s, mesh {meshed:.2f} s, analyse {order:.2f} s")
     print(f"an iteration: assemble {assembled:.3f} s, solve {solved:.3f} s, together {assembled + solved:.3f} s")
@@ -77,7 +69,7 @@ def main(edge: int = 10) -> None:
     ratios: list[float] = []
     for _ in range(5):  # wall time, in turns: two threads need two free cores
         one_s, two_s = (
-            best(lambda s=s: s.solve(newton.work.blocks, newton.work.rhs), 1, time.perf_counter)
+            least(lambda s=s: s.solve(newton.work.blocks, newton.work.rhs), 1, time.perf_counter)
             for s in (analysed, two)
         )
         ratios.append(one_s / two_s)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,7 @@ from directrix.model import Distributed, Force, Gravity, Model, Pressure, Vec
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+T = TypeVar("T")
 Prescribed = tuple[int, Callable[[float], Array] | None, Callable[[float], Array] | None]
 
 __all__ = ["LoadTerm", "Prescribed", "as_function", "driven_joints", "drives_as_loads", "loads_of", "supports_of"]
@@ -72,13 +74,20 @@ def _scalar(value: float | Callable[[float], object], ramp: bool, what: str) -> 
     if not callable(value):
         given = number(value, what)
         return (lambda t: t * given) if ramp else (lambda t: given)
+    return _checked(value, what, "return a number for every t", number)
 
-    def checked(t: float) -> float:
+
+def _checked(
+    value: Callable[[float], object], what: str, fix: str, read: Callable[[object, str], T]
+) -> Callable[[float], T]:
+    """A user's function; what it raises, and what ``read`` refuses of what it gives, is a ModelError."""
+
+    def checked(t: float) -> T:
         try:
             out = value(t)
         except Exception as error:  # whatever a user's function raises
-            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return a number for every t") from error
-        return number(out, f"{what} at t = {t:.6g}")
+            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", fix) from error
+        return read(out, f"{what} at t = {t:.6g}")
 
     return checked
 
@@ -135,15 +144,7 @@ def as_function(value: Vec | Callable[[float], object], ramp: bool, what: str) -
     if not callable(value):
         given = np.asarray(value, float)
         return (lambda t: t * given) if ramp else (lambda t: given)
-
-    def checked(t: float) -> Array:
-        try:
-            out = value(t)
-        except Exception as error:  # whatever a user's function raises
-            raise ModelError(f"{what} fails at t = {t:.6g}: {error!r}", "return three numbers for every t") from error
-        return np.array(vector(out, f"{what} at t = {t:.6g}"))
-
-    return checked
+    return _checked(value, what, "return three numbers for every t", lambda out, at: np.array(vector(out, at)))
 
 
 def _number_function(value: float | Callable[[float], ArrayLike], what: str) -> Callable[[float], Array]:

@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 __all__ = ["section_of", "stress"]
 
 AXES = ("centroid", "shear_centre", "origin")
-FLOOR = 1e-12  # of the largest: what is nothing
 
 
 def section_of(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,8 @@ __all__ = ["Blocks"]
 
 GOOD = 1e-8
 """Residual over right-hand side, both scaled, of a solution."""
+REFINEMENTS = 2
+"""Corrections of a solution that is not good enough yet."""
 
 
 class Blocks:
@@ -34,6 +38,23 @@ class Blocks:
             self.rowptr, self.column, self.blocks, self.scale, np.ascontiguousarray(rhs), np.ascontiguousarray(x), out
         )
         return out
+
+    def refined(self, rhs: Array, solve: Callable[[Array], Array | None]) -> Array | None:
+        """x with K x = rhs from ``solve(b)``, x with D K D x = b, corrected until it is good; None where it is not.
+
+        ``solve`` may give None, and is asked again at most REFINEMENTS times, for what is left.
+        """
+        off = self.scale * rhs
+        x = np.zeros_like(off)
+        for _ in range(REFINEMENTS + 1):
+            part = solve(off)
+            if part is None:
+                return None
+            x += self.scale * part
+            off = self.off(rhs, x)
+            if self.solved(rhs, off):
+                return x
+        return None
 
     def solved(self, rhs: Array, off: Array) -> bool:
         """Whether what is left of a solution, see :meth:`off`, is small enough."""

@@ -24,8 +24,6 @@ getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=np.float64)
 
 SLAB = 192
 """Columns of a front that one thread takes at a time."""
-REFINEMENTS = 2
-"""Corrections of a solution that is not good enough yet."""
 PIECES = 16
 """Into about so many independent parts the tree of fronts is cut."""
 
@@ -66,19 +64,11 @@ class Multifrontal:
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where pivots inside the fronts are not enough."""
         whole = Blocks(self.rowptr, self.column, blocks)
-        scale = whole.scale
         try:
-            factors = self._factors(whole.blocks, scale)
+            factors = self._factors(whole.blocks, whole.scale)
         except _VanishingPivotError:
             return None
-        off = scale * rhs
-        x = np.zeros_like(off)
-        for _ in range(REFINEMENTS + 1):
-            x += scale * self._substituted(factors, off)
-            off = whole.off(rhs, x)
-            if whole.solved(rhs, off):
-                return x
-        return None
+        return whole.refined(rhs, lambda b: self._substituted(factors, b))
 
     def _factors(self, blocks: Array, scale: Array) -> list[_Factor]:
         left, factors = dict[int, Array](), dict[int, _Factor]()

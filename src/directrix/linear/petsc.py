@@ -151,7 +151,6 @@ class PetscSolver:
 
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where PETSc finds none."""
-        lib = self._lib
         whole = Blocks(self.rowptr, self.column, blocks)
         scale = whole.scale
         values = scale[self.rows][:, :, None] * blocks[self.entries] * scale[self.columns][:, None, :]
@@ -159,22 +158,20 @@ class PetscSolver:
         self.matrix.assemble()
         if self.how.method == "gamg":
             self._tell_motions(scale)
-        off = scale * rhs
-        x = np.zeros_like(off)
-        for _ in range(3):
-            self.b.setArray(off[self.first : self.last].ravel())
-            try:
-                self.ksp.solve(self.b, self.x)
-            except lib.Error:
-                return None
-            if self.ksp.getConvergedReason() < 0:
-                return None
-            self.spread.scatter(self.x, self.all, addv=lib.InsertMode.INSERT, mode=lib.ScatterMode.FORWARD)
-            x += scale * self.all.getArray().reshape(rhs.shape)
-            off = whole.off(rhs, x)
-            if whole.solved(rhs, off):
-                return x
-        return None
+        return whole.refined(rhs, self._solved)
+
+    def _solved(self, b: Array) -> Array | None:
+        """What PETSc gives for the right-hand side ``b`` (n, 6), on every process."""
+        lib = self._lib
+        self.b.setArray(b[self.first : self.last].ravel())
+        try:
+            self.ksp.solve(self.b, self.x)
+        except lib.Error:
+            return None
+        if self.ksp.getConvergedReason() < 0:
+            return None
+        self.spread.scatter(self.x, self.all, addv=lib.InsertMode.INSERT, mode=lib.ScatterMode.FORWARD)
+        return self.all.getArray().reshape(b.shape)
 
     def _tell_motions(self, scale: Array) -> None:
         """Rigid motions of the scaled unknowns, orthonormal, for the multigrid."""
