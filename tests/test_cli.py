@@ -240,6 +240,7 @@ def test_our_own_fault_is_code_1(monkeypatch: pytest.MonkeyPatch, case: Path) ->
     assert code == 1 and "ZeroDivisionError" in err and "report" in err and "Traceback" not in err
     code, _, err = run("--traceback", "run", case)
     assert code == 1 and "Traceback" in err and "in fake" in err
+    assert "Traceback" not in run("run", case)[2]  # asked for once, not for ever
 
 
 def test_interrupted_before_the_first_step(monkeypatch: pytest.MonkeyPatch, case: Path) -> None:

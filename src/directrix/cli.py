@@ -10,6 +10,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import replace
 from enum import StrEnum
 from functools import wraps
@@ -30,6 +31,7 @@ __all__ = ["app", "main"]
 
 P = ParamSpec("P")
 TRACEBACK = "DIRECTRIX_TRACEBACK"
+_traceback_wanted: ContextVar[bool] = ContextVar("traceback_wanted")  # said anew by every call of the command
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -94,8 +96,8 @@ class Format(StrEnum):
 def main() -> None:
     """The command ``directrix``; ``--traceback`` may stand anywhere."""
     if "--traceback" in sys.argv:
-        sys.argv = [a for a in sys.argv if a != "--traceback"]
-        os.environ[TRACEBACK] = "1"
+        program, *rest = sys.argv
+        sys.argv = [program, "--traceback", *(a for a in rest if a != "--traceback")]
     app()
 
 
@@ -132,7 +134,7 @@ def _guarded(command: Callable[P, int | None]) -> Callable[P, None]:
 def _failed(code: int, message: str) -> int:
     """Say what went wrong, with the traceback of the error at hand when it was asked for."""
     _say(message)
-    if os.environ.get(TRACEBACK):
+    if _traceback_wanted.get():
         traceback.print_exc()
     return code
 
@@ -154,8 +156,7 @@ Traceback = Annotated[bool, typer.Option("--traceback", help="Show the traceback
 
 @app.callback()
 def _options(version: Version = False, traceback: Traceback = False) -> None:  # pyright: ignore[reportUnusedFunction]
-    if traceback:
-        os.environ[TRACEBACK] = "1"
+    _traceback_wanted.set(traceback or bool(os.environ.get(TRACEBACK)))
 
 
 @app.command(epilog="Example: directrix run cantilever.toml --no-view")
