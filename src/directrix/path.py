@@ -150,6 +150,7 @@ class Walk:
         self.by: Gauge | None = None  # what measures the step that is tried; the load factor without one
         self.met = 0  # bifurcations since the start, or since the last branch was taken
         self.arc, self.steps, self.cuts, self.parts, self.kept = 0.0, 0, 0, 0, True
+        self.ended: Status | None = None
 
     @property
     def factor(self) -> float:
@@ -210,6 +211,7 @@ class Walk:
             "own": remember(self, *names), "newton": self.newton.remember(), "ledger": self.ledger.remember(),
             "point": [point.x.copy(), point.factor, point.tangent.copy(), point.slope],
             "gauge": self.gauge.remember(), "watch": None if self.watch is None else self.watch.count,
+            "ended": None if self.ended is None else vars(self.ended),
             "turning_points": [vars(p) for p in self.turning_points], "critical": [vars(p) for p in self.critical],
         }  # fmt: skip
 
@@ -221,6 +223,7 @@ class Walk:
         self.books = self.newton.recall(memory["newton"])
         self.ledger.recall(memory["ledger"])
         recall(self.gauge, memory["gauge"])
+        self.ended = None if memory["ended"] is None else Status(**memory["ended"])
         if self.watch is not None:
             self.watch.count = memory["watch"]
         self.turning_points = [TurningPoint(**p) for p in memory["turning_points"]]
@@ -228,8 +231,11 @@ class Walk:
 
     def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
+        if self.ended is not None and keeper.same:
+            return self.ended  # it was killed after that, or is looked at again
         status = self._go(progress, keeper)
         if status.success:
+            self.ended = status
             keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
         return status
 

@@ -149,12 +149,12 @@ def solve_static(
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static", Parts(disc.mesh, keep), record, feed_of(progress))
+    watch, unread = watch_for(newton, stability, control)
     asked = {
         "steps": steps, "control": control, "formulation": formulation, "tolerance": tolerance, "rotation": rotation,
-        "save_every": save_every, "keep": keep, "x": x,
+        "save_every": save_every, "keep": keep, "stability": watch is not None, "x": x,
     }  # fmt: skip
     print_ = "" if folder is None else fingerprint(disc, scheme, asked, (0.0, 1.0))
-    watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
         run = _LoadSteps(newton, recorder, steps or 10, save_every, watch)
@@ -164,15 +164,8 @@ def solve_static(
     keeper = Keeper(folder, recorder, print_)
     if keeper.memory is not None and status is None:
         run.recall(keeper.memory)
-    try:
-        keeper.listen()
-        status = status or run.go(reporting(progress), keeper)
-    except KeyboardInterrupt:
-        status = keeper.interrupted(f"load factor {run.factor:.6g}")
-    except ModelError as error:  # a user's function that fails on the way: keep what there is
-        status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
-    finally:
-        keeper.hush()
+    report = reporting(progress)
+    status = status or keeper.attend(lambda: run.go(report, keeper), lambda: f"load factor {run.factor:.6g}")
     run.close()
     status = noted(status, found)
     info = {
