@@ -384,11 +384,13 @@ def test_a_second_signal_ends_a_process_at_once(case: Path, number: signal.Signa
 def test_a_path_that_was_killed_goes_on(tmp_path: Path) -> None:
     case = tmp_path / "path.toml"
     known = (Path(__file__).parent / "good_cases" / "path.toml").read_text()
-    case.write_text(known + "[output]\ncheckpoint_steps = 1\n")
+    small = known.replace("ds = 2", "ds = 0.1")
+    assert small != known
+    case.write_text(small + "[output]\ncheckpoint_steps = 1\n")
     assert command("run", case, *BLIND, "--out", tmp_path / "whole")[0] == 0
     folder = tmp_path / "path.run"
     with subprocess.Popen([sys.executable, "-m", "directrix", "run", str(case), *BLIND]) as run:
-        while not Store(folder).slot(3).exists() and run.poll() is None:  # the second one
+        while not Store(folder).segment(3).exists() and run.poll() is None:
             time.sleep(0.001)
         run.kill()
         assert run.wait() == -signal.SIGKILL

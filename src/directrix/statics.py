@@ -39,6 +39,7 @@ from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
 from directrix.telling import line
 from directrix.threads import one_blas_thread
+from directrix.turning import folded, within_reach
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -227,6 +228,7 @@ class _LoadSteps:
             done, reach = self.factor, self.reach
             goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
             factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
+            factor = within_reach(newton, self.x, done, factor, 2.0 * SMALLEST / steps)
             before = self.x.copy()
             newton.begin(self.x)
             moved = place_supports(disc, self.x, factor)
@@ -234,11 +236,12 @@ class _LoadSteps:
             newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
             self.recorder.iterations.append(outcome.iterations)
-            if outcome.status is not None:
+            failed = outcome.status or folded(newton, self.x)
+            if failed is not None:
                 self.x = before
                 self.reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
                 if self.reach < SMALLEST / steps:
-                    why = explained(newton, before, outcome.status)
+                    why = explained(newton, before, failed)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue
