@@ -98,7 +98,7 @@ def continuation(
     recorder = Recorder(disc, "static")
     walk = Walk(newton, control, recorder, save_every, watch)
     near = around(begin)[1]
-    asked = {
+    asked: dict[str, object] = {
         "begin": begin, "control": control, "tolerance": tolerance, "save_every": save_every, "x": x,
         "stability": watch is not None,
     }  # fmt: skip

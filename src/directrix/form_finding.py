@@ -114,7 +114,7 @@ def form_find(
     ledger = StaticBooks(disc, newton.books(x))
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, newton.books(x), ledger.flows)
     counts = [watch.pivots(x, 1.0)]
-    search = _Search(newton, loads, watch, recorder, x, iterations, disc.prescribed and start is None)
+    search = _Search(newton, loads, watch, recorder, x, iterations, bool(disc.prescribed) and start is None)
     keeper = Keeper(folder, recorder, print_)
     if keeper.memory is not None:
         search.recall(keeper.memory)
