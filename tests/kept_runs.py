@@ -110,7 +110,7 @@ FEW: dict[str, Solve] = {
     ),
     "load control": partial(dx.solve_static, bent(), 12, save_every=5),
     "steps that adapt": partial(
-        dx.simulate, flying(), 0.5, dx.Adaptive(tolerance=1e-4, first=0.01), integrator=dx.GeneralizedAlpha(0.8),
+        dx.simulate, flying(), 0.1, dx.Adaptive(tolerance=1e-4, first=0.01), integrator=dx.GeneralizedAlpha(0.8),
         save_every=3,
     ),
     "a family of models": partial(
