@@ -171,6 +171,18 @@ def test_branches_and_refined_runs_are_kept_side_by_side(tmp_path: Path, monkeyp
     assert {p.name for p in (tmp_path / "paths").iterdir()} == {"path", "1+", "1-", "runs.json"}
 
 
+def test_a_path_that_has_ended_goes_on_when_until_asks_for_more(tmp_path: Path) -> None:
+    def path(to: float, **options: Any) -> dx.Result:
+        way = dx.ArcLength(ds=0.02, until=lambda s: s.arc_length >= to)
+        return dx.solve_static(column().force("b", (0, 0.01, 0)), control=way, **options)
+
+    first = path(0.1, folder=tmp_path / "run")
+    again = path(0.1, folder=dx.Folder(tmp_path / "run", resume=True))
+    assert again.r.tobytes() == first.r.tobytes() and again.status == first.status
+    on, whole = path(0.2, folder=dx.Folder(tmp_path / "run", resume=True)), path(0.2)
+    assert on.r.tobytes() == whole.r.tobytes() and on.status == whole.status and len(on.t) > len(first.t)
+
+
 def test_another_family_does_not_go_on_with_a_path(tmp_path: Path) -> None:
     dx.continuation(pushed_column, 1.0, control=WAY, folder=tmp_path / "run")
     with pytest.raises(dx.InputError, match="another model, or with other arguments"):

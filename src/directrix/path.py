@@ -231,8 +231,8 @@ class Walk:
 
     def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
-        if self.ended is not None and keeper.same:
-            return self.ended  # it was killed after that, or is looked at again
+        if self.ended is not None and self._asked():  # it was killed after that, or until asks for no more than it did
+            return self.ended
         status = self._go(progress, keeper)
         if status.success:
             self.ended = status
