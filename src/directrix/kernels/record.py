@@ -37,13 +37,14 @@ class Record:
                 if not value.flags.c_contiguous:
                     raise TypeError(f"{field.name} of {type(self).__name__} is not contiguous")
                 kinds.append((field.name, Array(value.dtype.str[1:], value.ndim)))
-                words += [value.ctypes.data, *value.shape]
+                words += [value.__array_interface__["data"][0], *value.shape]
             else:
                 real = isinstance(value, float)
                 kinds.append((field.name, "f" if real else "i"))
                 words.append(int(np.float64(value).view(np.int64)) if real else int(value))
         kept = np.array(words, np.int64)
-        for name, value in (("kind", Fields.of(*kinds)), ("words", kept), ("address", kept.ctypes.data)):
+        address = kept.__array_interface__["data"][0]
+        for name, value in (("kind", Fields.of(*kinds)), ("words", kept), ("address", address)):
             object.__setattr__(self, name, value)
 
     def replaced(self, **changes: Any) -> Self:
