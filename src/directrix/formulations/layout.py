@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from directrix.basis import gauss, lagrange
+from directrix.basis import at_gauss, gauss
 
 if TYPE_CHECKING:
     from directrix.laws import Law
@@ -130,8 +131,8 @@ def symmetric_times(c: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
     return [sum(full[i, j] * e[j] for j in range(6)) for i in range(6)]
 
 
-def points(nn: int, count: int) -> list[Point]:
+@cache
+def points(nn: int, count: int) -> tuple[Point, ...]:
     """The ``count`` Gauss points of an element with ``nn`` nodes."""
-    xi, w = gauss(count)
-    n, dn = lagrange(nn - 1, xi)
-    return [(float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(count)]
+    w, (n, dn) = gauss(count)[1], at_gauss(nn - 1, count)
+    return tuple((float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(count))
