@@ -6,7 +6,10 @@ import os
 import random
 import re
 import signal
-from collections.abc import Iterator
+import subprocess
+import sys
+import traceback
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,6 +20,7 @@ from typer.testing import CliRunner
 from directrix.cli import app
 from directrix.codes import CODES
 
+UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 HANGS = 60  # seconds after which a check is stopped as one that hangs
 
 
@@ -59,7 +63,7 @@ def answer(path: Path) -> int:
     return 2
 
 
-def some(count: int, seed: int, folder: Path) -> list[int]:
+def some(count: int, seed: int, folder: Path, ask: Callable[[Path], int] = answer) -> list[int]:
     """Exit codes of ``count`` mutants; the last one is left in the folder when something fails."""
     rng, codes = random.Random(seed), []
     for k in range(count):
@@ -67,7 +71,7 @@ def some(count: int, seed: int, folder: Path) -> list[int]:
         path = folder / f"case{ending}"
         path.write_text(text, encoding="utf-8")
         try:
-            codes.append(answer(path))
+            codes.append(ask(path))
         except BaseException as error:
             raise AssertionError(f"mutant {k} of seed {seed}:\n{text[:3000]}") from error
     return codes
@@ -84,10 +88,43 @@ def test_150_mutants(tmp_path: Path) -> None:
     assert 20 < codes.count(2) < 150  # most are wrong, some still valid
 
 
+def apart(path: Path, started: float = 0.0) -> int:
+    """The same in a process forked from this one, which has read a case already; it may take 2 s of processor time,
+    with what starting took, and 500 MB."""
+    child = os.fork()
+    if child == 0:
+        try:
+            os._exit(answer(path))
+        except BaseException:
+            traceback.print_exc()
+            os._exit(99)
+    _, status, used = os.wait4(child, 0)
+    code = os.waitstatus_to_exitcode(status)
+    assert code in (0, 2)
+    seconds, size = started + used.ru_utime + used.ru_stime, used.ru_maxrss * UNIT
+    assert code == 0 or seconds < 2.0, f"{seconds:.2f} s"  # a valid mesh may take its time
+    assert size < 500e6, f"{size / 1e6:.0f} MB"
+    return code
+
+
+def measured(count: int, seed: int, folder: Path) -> None:
+    """What :func:`test_10_000_mutants` does in a fresh process, whose memory is that of the command alone."""
+    refused = folder / "refused.toml"
+    refused.write_text("titel = 'x'\n")
+    whole = [os.wait4(os.spawnlp(os.P_NOWAIT, sys.executable, sys.executable, "-m", "directrix", "check", str(refused)), 0)
+             for _ in range(3)]  # fmt: skip
+    started = min(used.ru_utime + used.ru_stime for _, _, used in whole)
+    answer(refused)
+    codes = some(count, seed, folder, lambda path: apart(path, started))
+    print(f"started in {started:.2f} s, {codes.count(2)} of {count} refused")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 110))
 def test_10_000_mutants(seed: int, tmp_path: Path) -> None:
-    some(1000, seed, tmp_path)
+    call = f"from pathlib import Path; import test_fuzz; test_fuzz.measured(1000, {seed}, Path({str(tmp_path)!r}))"
+    done = subprocess.run([sys.executable, "-c", call], cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-8000:]
 
 
 GOOD = next(p for p in SEEDS if p.stem == "cantilever").read_bytes()
