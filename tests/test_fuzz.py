@@ -90,29 +90,31 @@ def test_150_mutants(tmp_path: Path) -> None:
 
 def apart(path: Path, started: float = 0.0) -> int:
     """The same in a process forked from this one, which has read a case already; it may take 2 s of processor time,
-    with what starting took, and 500 MB."""
-    child = os.fork()
-    if child == 0:
-        try:
-            os._exit(answer(path))
-        except BaseException:
-            traceback.print_exc()
-            os._exit(99)
-    _, status, used = os.wait4(child, 0)
-    code = os.waitstatus_to_exitcode(status)
-    assert code in (0, 2)
-    seconds, size = started + used.ru_utime + used.ru_stime, used.ru_maxrss * UNIT
-    assert code == 0 or seconds < 2.0, f"{seconds:.2f} s"  # a valid mesh may take its time
-    assert size < 500e6, f"{size / 1e6:.0f} MB"
-    return code
+    with what starting took, and 500 MB. Other work on the machine makes it slower: the least of three counts."""
+    for _ in range(3):
+        child = os.fork()
+        if child == 0:
+            try:
+                os._exit(answer(path))
+            except BaseException:
+                traceback.print_exc()
+                os._exit(99)
+        _, status, used = os.wait4(child, 0)
+        code = os.waitstatus_to_exitcode(status)
+        assert code in (0, 2)
+        seconds, size = started + used.ru_utime + used.ru_stime, used.ru_maxrss * UNIT
+        assert size < 500e6, f"{size / 1e6:.0f} MB"
+        if code == 0 or seconds < 2.0:  # a valid mesh may take its time
+            return code
+    raise AssertionError(f"{seconds:.2f} s")
 
 
 def measured(count: int, seed: int, folder: Path) -> None:
     """What :func:`test_10_000_mutants` does in a fresh process, whose memory is that of the command alone."""
     refused = folder / "refused.toml"
     refused.write_text("titel = 'x'\n")
-    whole = [os.wait4(os.spawnlp(os.P_NOWAIT, sys.executable, sys.executable, "-m", "directrix", "check", str(refused)), 0)
-             for _ in range(3)]  # fmt: skip
+    call = (sys.executable, "-m", "directrix", "check", str(refused))
+    whole = [os.wait4(os.spawnl(os.P_NOWAIT, call[0], *call), 0) for _ in range(3)]
     started = min(used.ru_utime + used.ru_stime for _, _, used in whole)
     answer(refused)
     codes = some(count, seed, folder, lambda path: apart(path, started))

@@ -81,6 +81,7 @@ class Picture(StrEnum):
     path = "path"
     branches = "branches"
     newton = "newton"
+    convergence = "convergence"
 
 
 class Format(StrEnum):

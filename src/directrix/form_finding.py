@@ -118,7 +118,7 @@ def form_find(
             if status is not None:
                 break
             outcome = newton.solve(x, loads)
-            recorder.iterations.append(outcome.iterations)
+            recorder.log.tried(newton.trail, solved=outcome.status is None)
             if outcome.status is not None:
                 status = outcome.status
                 break
