@@ -6,8 +6,8 @@ How stiff is an octet truss? Theory for slender struts and pins (Deshpande, Flec
 
 Here a block of cells is pressed together with its sides held. All its faces are mirror planes, and the struts that
 lie in them are halved, so the block is a piece of an endless lattice. What the faces carry are the moduli C11 and C12,
-and the stiffness of a block whose sides are free is E = C11 − 2 C12²/(C11 + C12). The joints are rigid, and the nodes of
-an octet truss do not turn when it is strained evenly: each strut is stretched, and bent with its ends clamped. That gives
+and the stiffness of a block whose sides are free is E = C11 − 2 C12²/(C11 + C12). The joints are rigid, and the nodes
+of an octet truss do not turn when it is strained evenly: struts are stretched, and bent with clamped ends. That gives
 C11 = Eρ (1 + k)/6 and C12 = Eρ (1 − k)/12, k the stiffness of a clamped strut across over that along itself: with its
 shear k = 12 EI/(EA ℓ²) / (1 + 12 EI/(GA ℓ²)). Computed values meet these for any strut, and the theory of pins as
 struts get slender.
