@@ -109,8 +109,8 @@ def polygon(
     damping
         As in :class:`directrix.Section`.
 
-    Raises ModelError when `sectionproperties` is missing, for corners that bound no area, and a mesh of more than 100 000
-    triangles.
+    Raises ModelError when `sectionproperties` is missing, for corners that bound no area, and a mesh of more than
+    100 000 triangles.
     """
     from directrix.geometry.pieces import extra
 

@@ -33,10 +33,11 @@ def from_graph(
     Parameters
     ----------
     graph
-        Or a file of one: GraphML, GML, or JSON as ``networkx.node_link_data`` has it; there a node may have ``x``, ``y``
-        (and ``z``) in place of ``pos``. Nodes are named by ``str(node)``. An edge may have ``section`` (a Section, or a key of ``section=``), ``name``
-        ("u-v" unless given), ``curve`` (a curve, or the points between the ends) and ``elements``, ``order``,
-        ``points``, ``nodes``, ``twist`` as in ``Model.rod``.
+        Or a file of one: GraphML, GML, or JSON as ``networkx.node_link_data`` has it; there a node may have ``x``,
+        ``y`` (and ``z``) in place of ``pos``. Nodes are named by ``str(node)``. An edge may have ``section`` (a
+        Section, or a key of ``section=``, whose key None is for edges without), ``name`` ("u-v" unless given),
+        ``curve`` (a curve, or the points between the ends) and ``elements``, ``order``, ``points``, ``nodes``,
+        ``twist`` as in ``Model.rod``.
     section
         Of edges without one: a Section; or a table of sections for names.
     snap
@@ -78,8 +79,10 @@ def from_graph(
             raise ModelError(f"edge {name!r} has {other[0]!r}", f"use {', '.join(KNOWN)}, or strict=False")
         own = data.get("section")
         if not isinstance(own, Section):
-            if section is None or (own is not None and isinstance(section, Section)):
-                raise ModelError(f"edge {name!r} has no section" + (f" {own!r}" if own else ""), "give section=")
+            none = own is None and not isinstance(section, Section) and None not in (section or ())
+            if none or section is None or (own is not None and isinstance(section, Section)):
+                said = f"edge {name!r} has no section" + (f" {own!r}" if own else "")
+                raise ModelError(said, "give it one, or section=")
             own = section_for(section, own, f"edge {name!r}")
         curve = data.get("curve")
         if curve is None:

@@ -210,8 +210,10 @@ def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: 
             case Drawing():
                 return from_dxf(path, model=model, **given)
             case Graph():
-                # edges name sections of the case, and those that name none may have one of their own
-                named = {**sections, **given.pop("section", {})}
+                own = given.pop("section", None)
+                named = {**sections, **own} if isinstance(own, dict) else dict[Any, Section](sections)
+                if isinstance(own, Section):
+                    named[None] = own  # of edges that name none
                 return from_graph(path, section=named, model=model, **given)
             case _:
                 if "blade" in given:

@@ -260,17 +260,4 @@ class Matrix(Damped):
 
 
 Plain = Circle | Rectangle | Tube | Profile | Polygon | Properties | Moduli | StiffeningBending | TensionOnly | Matrix
-Section = Annotated[
-    Circle
-    | Rectangle
-    | Tube
-    | Profile
-    | Polygon
-    | Properties
-    | Moduli
-    | StiffeningBending
-    | TensionOnly
-    | Matrix
-    | Taper,
-    Field(discriminator="kind"),
-]
+Section = Annotated[Plain | Taper, Field(discriminator="kind")]
