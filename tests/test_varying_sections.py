@@ -254,6 +254,35 @@ def test_any_shape_against_closed_forms(meshed) -> None:
         dx.Section.from_sectionproperties(3, **STEEL)
 
 
+def test_a_section_by_its_corners() -> None:
+    pytest.importorskip("sectionproperties")
+    b, h, t = 0.02, 0.03, 0.002
+    corners = [(0, 0), (b, 0), (b, h), (0, h)]
+    one, two = dx.Section.polygon(corners, **STEEL), dx.Section.rectangle(b, h, **STEEL)
+    np.testing.assert_allclose(one.stiffness[2:, 2:], two.stiffness[2:, 2:], rtol=3e-3, atol=1.0)
+    assert one.A_rho == pytest.approx(two.A_rho)
+    about = dx.Section.polygon(corners, **STEEL, axis="origin", damping=0.01)
+    np.testing.assert_allclose(about.S_rho, one.offset(b / 2, h / 2).S_rho, rtol=1e-9)
+    np.testing.assert_allclose(about.damping, 0.01 * about.stiffness)
+    hole = [(t, t), (b - t, t), (b - t, h - t), (t, h - t)]
+    box = dx.Section.polygon(corners, holes=[hole], E=1.0, G=1.0)
+    assert box.stiffness[2, 2] == pytest.approx(b * h - (b - 2 * t) * (h - 2 * t))
+    bredt = 4.0 * ((b - t) * (h - t)) ** 2 * t / (2.0 * (b + h - 2 * t))
+    assert box.stiffness[5, 5] == pytest.approx(bredt, rel=0.06)
+    for points, options, words in (
+        ([(0, 0), (b, h), (b, 0), (0, h)], {}, "bound no section: self-intersection"),
+        ([(0, 0), (b, 0), (2 * b, 0)], {}, "bound no section"),
+        ([(0, 0), (b, 0)], {}, "has no corners"),
+        ("abc", {}, "has no corners"),
+        (corners, {"holes": [[(9, 9), (9, 10), (10, 9)]]}, "bound no section"),
+        (corners, {"mesh": 1e-12}, "triangles"),
+        (corners, {"G": 1.0}, "nu or G"),
+        (corners, {"axis": "middle"}, "axis"),
+    ):
+        with pytest.raises(dx.ModelError, match=words):
+            dx.Section.polygon(points, **{**STEEL, **options})
+
+
 def test_a_channel_has_its_shear_centre_and_stresses_come_back(meshed) -> None:
     from directrix.profiles import profile
     from directrix.shapes import stress
