@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-__all__ = ["gauss", "lagrange", "nodes"]
+__all__ = ["at_gauss", "gauss", "lagrange", "nodes"]
 
 
 @cache
@@ -38,3 +38,9 @@ def lagrange(order: int, xi: Array | float) -> tuple[Array, Array]:
         partial = [np.prod(np.delete(factors, k, axis=-1), axis=-1) for k in range(order)]
         slopes.append(np.sum(partial, axis=0) / scale)
     return np.stack(values, -1), np.stack(slopes, -1)
+
+
+@cache
+def at_gauss(order: int, points: int) -> tuple[Array, Array]:
+    """Shape functions and their derivatives at the Gauss points: two arrays (points, order + 1), to be read only."""
+    return lagrange(order, gauss(points)[0])

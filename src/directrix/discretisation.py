@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.basis import gauss, lagrange
+from directrix.basis import at_gauss
 from directrix.checks import shown
 from directrix.contact_groups import Near, Pairs, contact_states, near_of, obstacle_groups
 from directrix.drives import Drive, driven, drives_of
@@ -246,7 +246,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         firsts.append(station)
         locals_.append(local)
         if (rod.order, points) not in shapes:
-            shapes[rod.order, points] = lagrange(rod.order, gauss(points)[0])[0]
+            shapes[rod.order, points] = at_gauss(rod.order, points)[0]
         at_nodes = np.concatenate([mesh.directors[:, :-1].reshape(-1, 3, 3), mesh.directors[-1, -1:]])
         stations = np.einsum("ga,ea->eg", shapes[rod.order, points], mesh.s[local]).ravel()
         outline = rod.section.outline

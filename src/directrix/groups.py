@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.actuators import Drag
-from directrix.basis import gauss, lagrange
+from directrix.basis import at_gauss, gauss
 from directrix.curves import Polyline
 from directrix.errors import ModelError
 from directrix.formulations.attached import AttachedLayout, BodyElement, LinkElement, TendonElement
@@ -170,8 +170,7 @@ def parameters_of(
     counts = [len(part) for part in s]
 
     def speed(points: int) -> tuple[Array, Array, Array]:
-        xi, w = gauss(points)
-        n, dn = lagrange(order, xi)
+        w, (n, dn) = gauss(points)[1], at_gauss(order, points)
         return w, n, np.linalg.norm(np.einsum("ga,eai->egi", dn, r), axis=2)
 
     _, _, j = speed(layout.points)
@@ -236,7 +235,7 @@ def _varying(
     order = layout.nn - 1
     for rod, part in zip(rods, s, strict=True):
         for points, found in ((layout.points, rows), (order + 1, inner)):
-            at = part @ lagrange(order, gauss(points)[0])[0].T / rod.curve.length
+            at = part @ at_gauss(order, points)[0].T / rod.curve.length
             for element in at.tolist():
                 found.append([_uniform(rod.section.at(f), layout) for f in element])  # type: ignore[arg-type]
     stiff, viscous = (np.array([np.concatenate([g[k] for g in row]) for row in rows]) for k in range(2))

@@ -18,6 +18,7 @@ from directrix.keeping.memory import recall, remember
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE
 from directrix.kernels.tables import damping_for, tables_for, work_for
+from directrix.kernels.trace import cross
 from directrix.linear.condensed import Condensed, usual
 from directrix.linear.petsc import Petsc
 from directrix.result import Status
@@ -409,7 +410,7 @@ class Newton:
         self.driver.shift()
         flow = work.flow
         if self.free:
-            flow[5:8] += np.cross(self.origin, flow[2:5])
+            flow[5:8] += _moment(self.origin, flow[2:5])
         books = self._about_zero()
         if self.free:
             self._follow(x)
@@ -431,7 +432,7 @@ class Newton:
         Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
         of two, so no digit of a position changes.
         """
-        if np.abs(first).max() <= 8.0 * self.disc.length:
+        if np.abs(first).max() <= self.disc.length:
             return None
         grain = 2.0 ** np.floor(np.log2(self.disc.length))
         shift = np.rint(first / grain) * grain
@@ -458,7 +459,7 @@ class Newton:
 
     def _about_zero(self) -> Books:
         if self.free:
-            self.totals[5:8] += np.cross(self.origin, self.totals[2:5])
+            self.totals[5:8] += _moment(self.origin, self.totals[2:5])
         return self._books()
 
     def _books(self) -> Books:
@@ -480,6 +481,11 @@ class Newton:
 def turn_of(dots: float) -> float:
     """Angle [rad] between two neighbouring nodes from Σ_i d_i·d_i = 1 + 2 cos."""
     return float(np.arccos(np.clip(0.5 * (dots - 1.0), -1.0, 1.0)))
+
+
+def _moment(at: Array, force: Array) -> tuple[float, ...]:
+    """at × force; of three numbers ``numpy.cross`` takes many times longer than a step of a small model may."""
+    return tuple(cross(at.tolist(), force.tolist()))
 
 
 def axial_rates(x: Array) -> Array:

@@ -43,7 +43,6 @@ class Strip(Record):
     elements: int
     lanes: int
     stride: int
-    points: int
     results: int
     parameters: int
     x: Array
@@ -54,6 +53,7 @@ class Strip(Record):
     first_free: Array
     still: Array
     held: NDArray[np.uint8]
+    far: NDArray[np.uint8]
     own: Array
     row: Array
     within: Array
@@ -224,7 +224,7 @@ class Strips:
 def _part(
     chain: Ints, order: Ints, group: Group, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
 ) -> Part:
-    stride, points = group.layout.nn - 1, group.layout.points
+    stride = group.layout.nn - 1
     at = stride * first + np.arange(stride * many + 1)[:, None]
     nodes, members = chain[at], first + np.arange(many)[:, None]
     free: Array = np.where(fixed[nodes], 0.0, 1.0).transpose(0, 2, 1)  # (nodes, 6, LANES)
@@ -241,14 +241,15 @@ def _part(
         return _room(count * values * LANES)
 
     nn = stride + 1
-    results = 6 * nn + 36 * nn * nn + 72 * nn * points
+    results = 6 * nn + 36 * nn * nn
     out = lane(results, min(many, BATCH))
     strip = Strip(
-        many, lanes, stride, points, results, p.shape[1],
+        many, lanes, stride, results, p.shape[1],
         x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1)), load=lane(6, len(nodes)),
         first_load=lane(6, stride), free=_aligned(free), first_free=first_free.ravel(),
         still=_aligned(still),
-        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), own=own.ravel(), row=lane(rows.ROW, many + 1),
+        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), far=np.zeros(many, np.uint8), own=own.ravel(),
+        row=lane(rows.ROW, many + 1),
         within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
         carry=lane(rows.CARRY), none=lane(36), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)),
         start=lane(3, len(nodes)),
@@ -285,20 +286,22 @@ def _code(group: Group, aligned: bool) -> Ints:
     about = f"{layout} {element} {aligned}"
     three = layout.nn > 2
     codes: list[tuple[str, Callable[[], Code]]] = [
-        (f"tangent {about}", lambda: rows.tangent(element, layout, aligned)),
-        (f"residual {about}", lambda: rows.step(element, layout, aligned)),
+        (f"tangent {about}", lambda: rows.step(element, layout, aligned, True)),
+        (f"residual {about}", lambda: rows.step(element, layout, aligned, False)),
         (f"audit {about}", lambda: rows.audit(element, layout, aligned)),
         ("pivot", lambda: rows.pivot(masked=False, inner=True)),
         ("hold", lambda: rows.pivot(masked=True, inner=True)),
         ("pass on", lambda: rows.pass_on(inner=True)),
-        ("forward", rows.forward),
-        ("backward", rows.backward),
+        ("pass on far", lambda: rows.pass_on(inner=True, far=True)),
+        ("forward", lambda: rows.forward(far=False)),
+        ("forward far", lambda: rows.forward(far=True)),
+        ("backward", lambda: rows.backward(far=False)),
+        ("backward far", lambda: rows.backward(far=True)),
         ("measure", rows.measure),
         ("move", rows.move),
         (f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
         ("finish", rows.finish),
-        ("add", lambda: rows.product(1)),
-        ("less", lambda: rows.product(-1)),
+        ("less", rows.product),
     ]
     middle: list[tuple[str, Callable[[], Code]]] = [
         ("middle", lambda: rows.pivot(masked=False, inner=False)),

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
-from directrix.formulations.layout import Coordinates, Layout, Scalar, Vector
+from directrix.formulations.layout import Coordinates, Layout, Scalar, Step, Vector
 from directrix.formulations.so3 import Columns, add, from_body, log, scale, sub, times, transposed
 from directrix.kernels.trace import cross, dot
 from directrix.scheme import Rates
@@ -70,16 +70,14 @@ class _Straight(Attached):
             before.append(p[3:6])
         return at, sub(after[1], after[0]), sub(before[1], before[0])
 
-    def _pull(
-        self, at: Sequence[rot.Node], p: Sequence[Scalar], force: Vector
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def _pull(self, at: Sequence[rot.Node], p: Sequence[Scalar], force: Vector) -> Step:
         """``force`` from the first point to the second, as :meth:`Element.step` gives it."""
         out: list[Scalar] = []
         for k, n in enumerate(at):
             on = force if k == 1 else scale(-1.0, force)
             axes: Columns = [scale(0.5, add(u, v)) for u, v in zip(n.R, n.R0, strict=True)] if self.half else n.R
             out += [*on, *cross(from_body(axes, p[3 * k : 3 * k + 3]), on)]
-        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+        return Step(out, [(n.r, n.step) for n in at], [n.R for n in at])
 
 
 @dataclass(frozen=True)
@@ -89,9 +87,7 @@ class TendonElement(_Straight):
     The force 2T/(ℓ0 + ℓ1) d½ with T = ½(T0 + T1) does exactly the work −T Δℓ on what it pulls together.
     """
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`."""
         at, d1, d0 = self._vectors(x, layout, p)
         if self.half:
@@ -133,9 +129,7 @@ class LinkElement(_Straight):
             return 0.5 * p[6] * (e0 + e1)
         return p[6] * discrete_ramp(e0, e1, p[9])
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`; ``g`` = (2/Δt, 1/Δt)."""
         at, d1, d0 = self._vectors(x, layout, p)
         a, b, tension = self._step(x, layout, p)
@@ -163,13 +157,11 @@ class BodyElement(Attached):
     Its momenta are m ṙ and E_ij Ṙ e_j on the columns R e_i, so M is constant as for the rods.
     """
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`."""
         (n,) = rot.nodes(layout, x)
         if self.rates is Rates.DISSIPATIVE:  # its inertia is in the lumped mass of the node
-            return [0.0 * p[0]] * 6, [(n.r, n.step)], [n.R]
+            return Step([0.0 * p[0]] * 6, [(n.r, n.step)], [n.R])
         if self.rates is Rates.ALPHA:
             turn = log(times(transposed(n.R0), n.R))
             omega, spin = add(scale(g[0], turn), x[30:33]), add(scale(g[1], turn), x[33:36])
@@ -183,7 +175,7 @@ class BodyElement(Attached):
             second = [scale(g[1], sub(scale(g[0], d), scale(2.0, c))) for d, c in zip(turned, n.rate, strict=True)]
             axes = [scale(0.5, add(a, b)) for a, b in zip(n.R, n.R0, strict=True)]
         moment = add(*(cross(axes[i], f) for i, f in enumerate(_euler_times(p, second))))
-        return [*scale(p[0], linear), *moment], [(n.r, n.step)], [n.R]
+        return Step([*scale(p[0], linear), *moment], [(n.r, n.step)], [n.R])
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.basis import gauss, lagrange, nodes
-from directrix.formulations.directors import internal, strains
+from directrix.formulations.directors import internal, local, strains
 from directrix.formulations.element import COMMON, Committed, Element
 from directrix.formulations.layout import HISTORY, PER_NODE, Layout
 from directrix.rotations import cay, exp, hat
@@ -109,9 +109,9 @@ def check_discrete_gradient(layout: Layout, *, states: int = 1000, seed: int = 0
     worst = 0.0
     for g in range(layout.points):
         shape, slope = n[g].tolist(), dn[g].tolist()
-        e = np.array([strains(x, shape, slope, 1.0) for x in q])
+        e = np.array([strains(local(x, shape, slope), 1.0) for x in q])
         for k in range(6):
-            force = internal(middle, shape, slope, 1.0, [float(i == k) for i in range(6)])
+            force = internal(local(middle, shape, slope), shape, slope, 1.0, [float(i == k) for i in range(6)])
             work = sum(
                 (np.array(f) * (b - a)).sum(axis=0)
                 for node, x0, x1 in zip(force, *q, strict=True)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
 from directrix.formulations.attached import Attached, books, length
-from directrix.formulations.layout import Layout, Scalar, Vector
+from directrix.formulations.layout import Layout, Scalar, Step, Vector
 from directrix.formulations.so3 import add, cayley_vector, relative, scale, sub
 from directrix.kernels.trace import cross, dot
 
@@ -108,9 +108,7 @@ class ObstacleElement(Attached):
         slip = add(n.step, cross(_turn(n), arm))
         return arm, _rub(slip, normal, force * size, p[11], p[12], g)
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`; ``g`` = (2/Δt, 1/Δt)."""
         (n,) = rot.nodes(layout, x)
         force, out = self._push(n, p)
@@ -118,7 +116,7 @@ class ObstacleElement(Attached):
         if self.rough:
             arm, friction = self._friction(n, p, g)
             on, moment = sub(on, friction.force), scale(-1.0, cross(arm, friction.force))
-        return [*on, *moment], [(n.r, n.step)], [n.R]
+        return Step([*on, *moment], [(n.r, n.step)], [n.R])
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""
@@ -222,9 +220,7 @@ class PairElement(Attached):
         pressure = _positive(m.pull * size - m.end_pull * length(m.apart(1.0)))
         return first, second, _rub(slip, normal, pressure, p[6], p[7], g)
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`; ``g`` = (2/Δt, 1/Δt)."""
         at = rot.nodes(layout, x)
         m = self._meet(at, p)
@@ -244,7 +240,7 @@ class PairElement(Attached):
         out: list[Scalar] = []
         for f, c in zip(forces, moments, strict=True):
             out += [*scale(-1.0, f), *scale(-1.0, c)]
-        return out, [(n.r, n.step) for n in at], [n.R for n in at]
+        return Step(out, [(n.r, n.step) for n in at], [n.R for n in at])
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
-from directrix.formulations.layout import Coordinates, Layout, Scalar, Vector, points
+from directrix.formulations.layout import Coordinates, Layout, Scalar, Step, Vector, points
 from directrix.formulations.simo_vu_quoc import statics, strains
 from directrix.formulations.so3 import Columns, combine, exp, log, scale, spin_rate, times, to_body, transposed
 
@@ -42,14 +42,12 @@ class CrisfieldJelenicStatics:
             out.append([*to_body(section.frame, tangent), *section.curvature])
         return out
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`."""
         parts, at = layout.split(p), rot.nodes(layout, x)
         frames = [rot.frame(n.R, parts[0][9 * a : 9 * a + 9]) for a, n in enumerate(at)]
         out = statics(layout, parts, at, _sections(layout, frames, parts[2], parts[3]))
-        return out, [(n.r,) for n in at], frames
+        return Step(out, [(n.r,) for n in at], frames)
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`."""

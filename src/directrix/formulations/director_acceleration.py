@@ -12,13 +12,14 @@ from directrix.formulations.directors import (
     elastic_stress,
     flows,
     internal,
+    local,
     mass_times,
     on_nodes,
     sub6,
     weight,
 )
 from directrix.formulations.directors import strains as director_strains
-from directrix.formulations.layout import PER_NODE, Layout, Scalar, Vector, points
+from directrix.formulations.layout import PER_NODE, Layout, Scalar, Step, Vector, points
 from directrix.formulations.rotational import columns
 from directrix.formulations.so3 import add, from_body, log, scale, sub, times, transposed
 from directrix.kernels.trace import cross
@@ -36,9 +37,7 @@ class DirectorAcceleration(DirectorElement):
     holds v*, a* (translation), Ω*, A* (rotation, body frame); ``g`` = (c_v, c_a). d̈_i = R1 (Ω×(Ω×d_i⁰) + A×d_i⁰).
     """
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`."""
         parts = layout.split(p)
         d0 = parts[0]
@@ -47,6 +46,7 @@ class DirectorAcceleration(DirectorElement):
         turning: list[Sequence[Vector]] = []
         moving: list[Sequence[Vector]] = []
         second: list[list[Vector]] = []
+        stresses: list[Scalar] = []
         for a in range(layout.nn):
             y = x[PER_NODE * a : PER_NODE * a + PER_NODE]
             step, before, after = (y[12:15], columns(y, 15), columns(y, 3))
@@ -62,15 +62,19 @@ class DirectorAcceleration(DirectorElement):
             turning.append(after)
             total.append([(0.0, 0.0, 0.0)] * 4)
         for k, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
-            e = sub6(director_strains(q, n, dn, parts[2][k]), parts[3][6 * k : 6 * k + 6])
-            force = internal(q, n, dn, w, elastic_stress(layout, AT_END, parts, k, (e, e, e)))
+            at = local(q, n, dn)
+            e = sub6(director_strains(at, parts[2][k]), parts[3][6 * k : 6 * k + 6])
+            s = elastic_stress(layout, AT_END, parts, k, (e, e, e))
+            stresses += s
+            force = internal(at, n, dn, w, s)
             total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
         if layout.eccentric:
             for node, heavy in zip(total, weight(layout, parts, True), strict=True):
                 node[:3] = [sub(a, b) for a, b in zip(node[:3], heavy, strict=True)]
         for node, inertia in zip(total, mass_times(layout, parts, second), strict=True):
             node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
-        return on_nodes(q, total), moving, turning
+        through = [[c for node in total for v in node[1:] for c in v], stresses]
+        return Step(on_nodes(q, total), moving, turning, through)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """See :func:`directrix.formulations.directors.flows`: work with the mean of the stresses at both ends."""

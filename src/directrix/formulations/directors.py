@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from directrix.formulations.driven import drag, drag_flows, flow_of, intrinsic
 from directrix.formulations.layout import (
@@ -21,6 +21,7 @@ from directrix.formulations.layout import (
     Coordinates,
     Layout,
     Scalar,
+    Step,
     Vector,
     points,
     symmetric_times,
@@ -28,7 +29,18 @@ from directrix.formulations.layout import (
 from directrix.formulations.so3 import add, combine, scale, sub
 from directrix.kernels.trace import cross, dot
 
-__all__ = ["DirectorElement", "DirectorStep", "Directors", "Rule", "audit", "internal", "place", "residual", "strains"]
+__all__ = [
+    "DirectorElement",
+    "DirectorStep",
+    "Directors",
+    "Rule",
+    "audit",
+    "internal",
+    "local",
+    "place",
+    "residual",
+    "strains",
+]
 
 
 @dataclass(frozen=True)
@@ -64,28 +76,37 @@ def place(x: Sequence[Scalar], d0: Sequence[Scalar]) -> tuple[Vector, Vector, Ve
     return tuple(x[:3]), directors[0], directors[1], directors[2]
 
 
-def _at_point(q: Coordinates, n: Sequence[float], dn: Sequence[float]) -> tuple[list[Vector], list[Vector]]:
-    """Directors (d1, d2, d3) and the slopes (r, d1, d2, d3),ξ at a Gauss point."""
+class Local(NamedTuple):
+    """A configuration at a Gauss point: directors d1, d2, d3, and the slopes (r, d1, d2, d3),ξ."""
+
+    d: Sequence[Vector]
+    slope: Sequence[Vector]
+
+
+def local(q: Coordinates, n: Sequence[float], dn: Sequence[float]) -> Local:
+    """What is interpolated at a Gauss point."""
     d = [combine(n, [node[i] for node in q]) for i in (1, 2, 3)]
     slope = [combine(dn, [node[i] for node in q]) for i in range(4)]
-    return d, slope
+    return Local(d, slope)
 
 
-def strains(q: Coordinates, n: Sequence[float], dn: Sequence[float], inverse_j: Scalar) -> list[Scalar]:
+def halfway(a: Local, b: Local) -> Local:
+    """The mean of two configurations at a Gauss point."""
+    return Local(*([scale(0.5, add(v, w)) for v, w in zip(*pair, strict=True)] for pair in zip(a, b, strict=True)))
+
+
+def strains(at: Local, inverse_j: Scalar) -> list[Scalar]:
     """Γ1, Γ2, Γ3, Ω1, Ω2, Ω3 of the configuration, without the reference values (paper 26, 34)."""
-    d, s = _at_point(q, n, dn)
-    r, d1, d2, d3 = s
+    d, (r, d1, d2, d3) = at
     bend1 = 0.5 * (dot(d[2], d2) - dot(d[1], d3))
     bend2 = 0.5 * (dot(d[0], d3) - dot(d[2], d1))
     twist = 0.5 * (dot(d[1], d1) - dot(d[0], d2))
     return [inverse_j * e for e in (dot(d[0], r), dot(d[1], r), dot(d[2], r), bend1, bend2, twist)]
 
 
-def internal(
-    q: Coordinates, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]
-) -> list[list[Vector]]:
-    """w·dS/dξ·Bᵀ(q) S at one Gauss point, per node four vectors; B as in the strains above."""
-    d, slope = _at_point(q, n, dn)
+def internal(at: Local, n: Sequence[float], dn: Sequence[float], w: float, s: Sequence[Scalar]) -> list[list[Vector]]:
+    """w·dS/dξ·Bᵀ S at one Gauss point, per node four vectors; B as in the strains above."""
+    d, slope = at
     t = [w * c for c in s]
     half = [0.5 * c for c in t[3:]]
     on_r = add(*(scale(t[i], d[i]) for i in range(3)))
@@ -99,7 +120,7 @@ def internal(
     return [
         [scale(float(dn[a]), on_r)]
         + [add(scale(float(n[a]), on_d[i]), scale(float(dn[a]), on_slope[i])) for i in range(3)]
-        for a in range(len(q))
+        for a in range(len(n))
     ]
 
 
@@ -210,8 +231,9 @@ def residual(
     v0: Coordinates,
     p: Sequence[Scalar],
     dt: Sequence[Scalar],
-) -> list[Scalar]:
-    """Forces and moments of one element on its nodes, (force, moment) per node (paper 44–50, 67).
+) -> tuple[list[Scalar], list[list[Scalar]]]:
+    """Forces and moments of one element on its nodes, (force, moment) per node (paper 44–50, 67); and what derivatives
+    are taken through: forces on directors, stresses.
 
     ``q0`` holds Δr = r1 − r0 in the place of r0. ``dt`` holds 2/Δt and 1/Δt. With ``rule.static`` only ``q1``
     is read.
@@ -225,11 +247,15 @@ def residual(
         else [[scale(0.5, add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
     )
     total: list[list[Vector]] = [[(0.0, 0.0, 0.0)] * 4 for _ in range(layout.nn)]
+    stresses: list[Scalar] = []
     for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
-        at = [sub6(strains(q, n, dn, inverse_j), e0) for q in (q0, q1, middle)]
+        ends = [local(q, n, dn) for q in (q0, q1)]
+        half = ends[1] if rule.static else halfway(*ends)
+        at = [sub6(strains(point, inverse_j), e0) for point in (*ends, half)]
         s = algorithmic_stress(layout, rule, parts, g, at, dt)
-        force = internal(middle, n, dn, w, s)
+        stresses += s
+        force = internal(half, n, dn, w, s)
         total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, force, strict=True)]
     if layout.dragged:
         still, flow = [scale(0.0, s) for s in step], flow_of(layout, parts[9])
@@ -252,7 +278,7 @@ def residual(
         ]
         for node, inertia in zip(total, mass_times(layout, parts, rate), strict=True):
             node[:3] = [add(a, b) for a, b in zip(node[:3], inertia, strict=True)]
-    return on_nodes(middle, total)
+    return on_nodes(middle, total), [[c for node in total for v in node[1:] for c in v], stresses]
 
 
 def on_nodes(q: Coordinates, f: Sequence[Sequence[Vector]]) -> list[Scalar]:
@@ -271,9 +297,10 @@ def audit(layout: Layout, q: Coordinates, v: Coordinates, p: Sequence[Scalar]) -
     tail: list[Scalar] = []
     for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
         inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
-        e = sub6(strains(q, n, dn, inverse_j), e0)
+        at = local(q, n, dn)
+        e = sub6(strains(at, inverse_j), e0)
         stored = stored + w / inverse_j * layout.energy(layout.at(parts[1], g), _stressed(layout, parts, g, e))
-        d = _at_point(q, n, dn)[0]
+        d = at.d
         gram = sum((dot(d[i], d[i]) - 1.0) * (dot(d[i], d[i]) - 1.0) for i in range(3))
         gram = gram + 2.0 * sum(dot(d[i], d[j]) * dot(d[i], d[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
         tail += [gram, *e]
@@ -311,7 +338,7 @@ def flows(
         middle: Any = [[scale(0.5, add(a, b)) for a, b in zip(*n, strict=True)] for n in zip(q0, q1, strict=True)]
         for g, (w, n, dn) in enumerate(points(layout.nn, layout.points)):
             inverse_j, e0 = parts[2][g], parts[3][6 * g : 6 * g + 6]
-            e = [sub6(strains(q, n, dn, inverse_j), e0) for q in (q0, q1, middle)]
+            e = [sub6(strains(local(q, n, dn), inverse_j), e0) for q in (q0, q1, middle)]
             before, after = intrinsic(layout, parts[8], g)
             if rule.static:
                 at = [sub6(a, b) for a, b in zip(e, (before, after), strict=False)]
@@ -352,7 +379,7 @@ def coordinates(layout: Layout, x: Sequence[Scalar], d0: Sequence[Scalar], first
 def reference_strains(layout: Layout, q: Coordinates, inverse_j: Sequence[Scalar]) -> list[list[Scalar]]:
     """Strains at the stress points of the reference coordinates ``q``."""
     at = zip(points(layout.nn, layout.points), inverse_j, strict=True)
-    return [strains(q, n, dn, j) for (_, n, dn), j in at]
+    return [strains(local(q, n, dn), j) for (_, n, dn), j in at]
 
 
 class DirectorElement:
@@ -380,14 +407,12 @@ class DirectorStep(DirectorElement):
 
     rule: Rule
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """Forces, and per node what moves and what turns with it."""
         d0 = layout.split(p)[0]
         q1, q0, v0 = (coordinates(layout, x, d0, first) for first in (0, 12, 24))
-        out = residual(layout, self.rule, q1, q0, v0, p, g)
-        return out, [(a[0], b[0]) for a, b in zip(q1, q0, strict=True)], [a[1:] for a in q1]
+        forces, through = residual(layout, self.rule, q1, q0, v0, p, g)
+        return Step(forces, [(a[0], b[0]) for a, b in zip(q1, q0, strict=True)], [a[1:] for a in q1], through)
 
     def lost(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> list[Scalar]:
         """See :func:`flows`."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Protocol
 
-from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Vector
-from directrix.kernels.jacobian import Factored, factored_jacobian, jacobian
+from directrix.formulations.layout import HISTORY, PER_NODE, Coordinates, Layout, Scalar, Step, Vector
+from directrix.kernels.jacobian import jacobian
 from directrix.kernels.trace import Graph, Sym, cross
 
 __all__ = [
@@ -16,7 +17,6 @@ __all__ = [
     "Element",
     "Jointed",
     "Lossy",
-    "factored_step_of",
     "record_acts",
     "record_audit",
     "record_commit",
@@ -27,7 +27,7 @@ __all__ = [
 
 COMMON = 8  # scalars that all elements of a run share
 FLOWS = 10  # values of what an element takes and brings in
-Recorded = tuple[Graph, list[Sym], list[int]]
+Recorded = tuple[Graph, list[Sym]]
 
 
 class Element(Protocol):
@@ -48,10 +48,8 @@ class Element(Protocol):
         """What is subtracted from the strains: per stress point six values, from the reference coordinates."""
         ...
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
-        """Force and moment on every node; per node the vectors that move with it and those that turn with it."""
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
+        """Forces on the nodes, what moves and turns with them, and a way for the derivatives."""
         ...
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
@@ -98,34 +96,27 @@ def _inputs(element: Element, layout: Layout) -> tuple[Graph, list[Sym], list[Sy
 
 def record_step(element: Element, layout: Layout, tangent: bool) -> Recorded:
     """Residual (6 nn), and behind it the tangent if asked for: blocks (6, 6) by rows, for each node b (increments)
-    and each node a (forces). The results come in the order to compute them, with the place of each.
+    and each node a (forces).
 
     The tangent is the derivative of the residual for increments (δr, spin θ at n + 1), δd_i = θ × d_i.
     """
     graph, x, p, g = _inputs(element, layout)
-    return graph, *step_of(graph, element, layout, x, p, g, tangent)
+    return graph, step_of(graph, element, layout, x, p, g, tangent)
 
 
 def step_of(
     graph: Graph, element: Element, layout: Layout, x: Sequence[Sym], p: Sequence[Sym], g: Sequence[Sym], tangent: bool
-) -> tuple[list[Sym], list[int]]:
+) -> list[Sym]:
     """What :func:`record_step` records, for inputs that are there already."""
-    out, moving, turning = element.step(layout, x, p, g)
-    size = 6 * layout.nn
-    results, places = list(out), list(range(size))
-    for column, slopes in enumerate(jacobian(graph, out, _seeds(layout, moving, turning) if tangent else [])):
-        b, k = divmod(column, 6)
-        results += slopes
-        places += [size + 36 * (layout.nn * b + i // 6) + 6 * (i % 6) + k for i in range(size)]
-    return results, places
-
-
-def factored_step_of(
-    graph: Graph, element: Element, layout: Layout, x: Sequence[Sym], p: Sequence[Sym], g: Sequence[Sym]
-) -> tuple[list[Sym], Factored]:
-    """Forces, and the tangent with up to six values a stress point left in between, see :func:`factored_jacobian`."""
-    out, moving, turning = element.step(layout, x, p, g)
-    return out, factored_jacobian(graph, out, _seeds(layout, moving, turning), 6 * layout.points)
+    out, moving, turning, through = Step(*element.step(layout, x, p, g))
+    results = list(out)
+    if tangent:
+        seeds = _seeds(layout, moving, turning)
+        turned = [value for seed in seeds for value, slope in seed.items() if isinstance(slope, Sym)]
+        slopes = jacobian(graph, out, seeds, [*through[:1], turned, *through[1:]])
+        for b, a, i in itertools.product(range(layout.nn), range(layout.nn), range(6)):
+            results += [slopes[6 * b + k][6 * a + i] for k in range(6)]
+    return results
 
 
 def _seeds(
@@ -148,21 +139,21 @@ def record_audit(element: Element, layout: Layout) -> Recorded:
     """The books of one element at (x1, ẋ in the place of the rate)."""
     graph, x, p, _ = _inputs(element, layout)
     out = element.audit(layout, x, p)
-    return graph, out, list(range(len(out)))
+    return graph, out
 
 
 def record_lost(element: Lossy, layout: Layout) -> Recorded:
     """What an element dissipated in a step, and what came in from outside: FLOWS values."""
     graph, x, p, g = _inputs(element, layout)
     out = [x[0].lift(value) for value in element.lost(layout, x, p, g)]
-    return graph, [*out, *[graph.const(0.0)] * (FLOWS - len(out))], list(range(FLOWS))
+    return graph, [*out, *[graph.const(0.0)] * (FLOWS - len(out))]
 
 
 def record_acts(element: Jointed, layout: Layout) -> Recorded:
     """What a joint does in a step, 10 values."""
     graph, x, p, g = _inputs(element, layout)
     out = [x[0].lift(value) for value in element.acts(layout, x, p, g)]
-    return graph, out, list(range(len(out)))
+    return graph, out
 
 
 def record_commit(element: Committed, layout: Layout) -> Recorded:
@@ -171,4 +162,4 @@ def record_commit(element: Committed, layout: Layout) -> Recorded:
     # a row may hold plain numbers; they are lifted by adding nothing that is recorded
     out = [x[0].lift(value) for value in element.commit(layout, x, p, g)]
     assert len(out) == HISTORY * element.rows(layout)
-    return graph, out, list(range(len(out)))
+    return graph, out

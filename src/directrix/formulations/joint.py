@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 
 from directrix.formulations import rotational as rot
 from directrix.formulations.attached import Attached, AttachedLayout, books, discrete_ramp, ramp
-from directrix.formulations.layout import PER_NODE, Layout, Scalar, Vector
+from directrix.formulations.layout import PER_NODE, Layout, Scalar, Step, Vector
 from directrix.formulations.so3 import (
     Columns,
     add,
@@ -114,9 +114,7 @@ class JointElement(Attached):
     driven: bool = False
     active: bool = False
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`; ``g`` = (2/Δt, 1/Δt)."""
         at, row = rot.nodes(layout, x)[:-1], _row(layout, x)
         now, before = self._ends(layout, x, p)
@@ -129,7 +127,7 @@ class JointElement(Attached):
         out = [c for force, moment in pulled[self.grounded :] for c in (*force, *moment)]
         moving: list[Sequence[Vector]] = [*((n.r, n.step) for n in at), [row[0:3]]]
         turning: list[Sequence[Vector]] = [*(n.R for n in at), [row[3:6]]]
-        return [*out, *held], moving, turning
+        return Step([*out, *held], moving, turning)
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`: the stored energy."""

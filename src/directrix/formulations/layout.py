@@ -4,20 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from directrix.basis import gauss, lagrange
+from directrix.basis import at_gauss, gauss
 
 if TYPE_CHECKING:
     from directrix.laws import Law
 
-__all__ = ["HISTORY", "PER_NODE", "Coordinates", "Layout", "Point", "Scalar", "Vector", "points", "symmetric_times"]
+__all__ = [
+    "HISTORY", "PER_NODE", "Coordinates", "Layout", "Point", "Scalar", "Step", "Vector", "points", "symmetric_times",
+]  # fmt: skip
 
 Scalar = Any
 Vector = Sequence[Scalar]
 Coordinates = Sequence[Sequence[Vector]]
 Point = tuple[float, Sequence[float], Sequence[float]]
 """Weight, shape functions and their slopes d/dξ at a Gauss point."""
+
+
+class Step(NamedTuple):
+    """What an element does in a step.
+
+    ``forces``: force (3) and moment (3) on every node. ``moving``, ``turning``: per node the vectors that move with it
+    and those that turn with it. ``through``: values that derivatives are better taken through, such as the stresses
+    and the forces on directors, in the order in which they are taken; what comes out does not depend on it.
+    """
+
+    forces: list[Scalar]
+    moving: list[Sequence[Vector]]
+    turning: list[Sequence[Vector]]
+    through: Sequence[Sequence[Scalar]] = ()
+
 
 # Per node (r1, R1 e_i), (Δr, R0 e_i), (ṙ0, Ṙ0 e_i). The step Δr = r1 − r0 is kept by itself: far from the origin
 # the difference of two positions would lose the digits that momentum is made of.
@@ -113,8 +131,8 @@ def symmetric_times(c: Sequence[Scalar], e: Sequence[Scalar]) -> list[Scalar]:
     return [sum(full[i, j] * e[j] for j in range(6)) for i in range(6)]
 
 
-def points(nn: int, count: int) -> list[Point]:
+@cache
+def points(nn: int, count: int) -> tuple[Point, ...]:
     """The ``count`` Gauss points of an element with ``nn`` nodes."""
-    xi, w = gauss(count)
-    n, dn = lagrange(nn - 1, xi)
-    return [(float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(count)]
+    w, (n, dn) = gauss(count)[1], at_gauss(nn - 1, count)
+    return tuple((float(w[g]), n[g].tolist(), dn[g].tolist()) for g in range(count))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
 from directrix.formulations.directors import Rule, elastic_stress, mass_times
-from directrix.formulations.layout import Coordinates, Layout, Point, Scalar, Vector, points
+from directrix.formulations.layout import Coordinates, Layout, Point, Scalar, Step, Vector, points
 from directrix.formulations.simo_vu_quoc import initial, reference, strains
 from directrix.formulations.so3 import (
     add,
@@ -54,9 +54,7 @@ class SimoTarnowDoblareStep:
         """See :class:`Committed`."""
         return initial(layout, q, (layout.points, layout.nn))
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`; ``g`` = (2/Δt, 1/Δt)."""
         parts, at = layout.split(p), rot.nodes(layout, x)
         middle = [sub(n.r, scale(0.5, n.step)) for n in at]
@@ -76,7 +74,8 @@ class SimoTarnowDoblareStep:
             total = [[add(a, b) for a, b in zip(*pair, strict=True)] for pair in zip(total, forces, strict=True)]
         for node, inertia in zip(total, _inertia(layout, x, parts, at, thetas, g), strict=True):
             node[:] = [add(a, b) for a, b in zip(node, inertia, strict=True)]
-        return [c for node in total for v in node for c in v], [(n.r, n.step) for n in at], [n.R for n in at]
+        forces = [c for node in total for v in node for c in v]
+        return Step(forces, [(n.r, n.step) for n in at], [n.R for n in at])
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`; the history is that of x1."""

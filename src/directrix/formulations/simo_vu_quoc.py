@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from directrix.formulations import rotational as rot
-from directrix.formulations.layout import Coordinates, Layout, Point, Scalar, Vector, points
+from directrix.formulations.layout import Coordinates, Layout, Point, Scalar, Step, Vector, points
 from directrix.formulations.so3 import add, combine, exp, from_body, log, relative, scale, spin_rate, times, to_body
 
 __all__ = ["SimoVuQuoc", "SimoVuQuocStatics"]
@@ -54,13 +54,11 @@ class SimoVuQuocStatics:
         at = zip(points(layout.nn, layout.points), inverse_j, strict=True)
         return [self._section(layout, turns, point, j, rot.row(layout, x, k)) for k, (point, j) in enumerate(at)]
 
-    def step(
-        self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]
-    ) -> tuple[list[Scalar], list[Sequence[Vector]], list[Sequence[Vector]]]:
+    def step(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar], g: Sequence[Scalar]) -> Step:
         """See :class:`Element`."""
         parts, at = layout.split(p), rot.nodes(layout, x)
         sections = self._sections(layout, x, parts[2])
-        return statics(layout, parts, at, sections), [(n.r,) for n in at], [n.R for n in at]
+        return Step(statics(layout, parts, at, sections), [(n.r,) for n in at], [n.R for n in at])
 
     def audit(self, layout: Layout, x: Sequence[Scalar], p: Sequence[Scalar]) -> list[Scalar]:
         """See :class:`Element`; the history is that of x1."""

@@ -22,7 +22,8 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 
-from directrix.kernels.trace import FUNCTIONS, Graph, Sym, needed
+from directrix.kernels.order import FENCE, scheduled
+from directrix.kernels.trace import FUNCTIONS, Graph, Sym
 
 __all__ = ["LANES", "STRIDE", "cache_dir", "kernel_address", "padded", "text_address"]
 
@@ -83,8 +84,8 @@ def _interleaved(vectors: list[str], vec: str, tag: str, lines: list[str]) -> li
     return vectors
 
 
-def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: str) -> str:
-    """LLVM text of a kernel that computes ``outputs`` one after the other and leaves each in its place of a row.
+def llvm_ir(graph: Graph, outputs: Sequence[Sym], name: str) -> str:
+    """LLVM text of a kernel that computes ``outputs`` and leaves them in a row.
 
     Inputs are named by ``x`` (STRIDE values a node), ``p`` or ``g``.
     """
@@ -138,11 +139,13 @@ def llvm_ir(graph: Graph, outputs: Sequence[Sym], places: Sequence[int], name: s
         flags = "" if op == "div" else "contract "
         return put(f"{instruction[op]} {flags}{vec} {text[int(a)]}, {text[b]}")
 
-    done: set[int] = set()
-    for out, place in zip(outputs, places, strict=True):
-        for index in needed(graph, [out], done):
+    for indices, part in scheduled(graph, outputs, reread=False):
+        for index in indices:
             text[index] = emit(index)
-        lines.append(f"store {vec} {text[out.index]}, ptr {pointer('%scratch', place, vec)}, align 64")
+        for k in part:
+            target = pointer("%scratch", k, vec)
+            lines.append(f"store {vec} {text[outputs[k].index]}, ptr {target}, align 64")
+        lines.append(FENCE)
     for first in range(0, row, lanes):
         columns = [put(f"load {vec}, ptr {pointer('%scratch', first + k, vec)}, align 64") for k in range(lanes)]
         for lane, value in enumerate(_interleaved(columns, vec, f"o{first}", lines)):
@@ -177,8 +180,8 @@ _addresses: dict[str, int] = {}
 _engines: dict[str, Any] = {}
 
 
-Recorded = tuple[Graph, Sequence[Sym], Sequence[int]]
-"""A graph, its results in the order to compute them, and the place of each in a row of results."""
+Recorded = tuple[Graph, Sequence[Sym]]
+"""A graph, and its results in the order of a row."""
 
 
 def kernel_address(description: str, build: Callable[[], Recorded]) -> int:

@@ -10,53 +10,37 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from directrix.kernels.trace import Graph, Sym, needed, slopes
 
-__all__ = ["Factored", "factored_jacobian", "jacobian"]
+__all__ = ["jacobian"]
 
-WAIST = 36
 Edges = dict[int, dict[int, Sym]]
 
 
-class Factored(NamedTuple):
-    """A Jacobian ``direct + Σ left · right``: one list a direction, and per value that is left in between the
-    derivatives of the outputs with respect to it and its own in the directions."""
+def jacobian(
+    graph: Graph,
+    outputs: Sequence[Sym],
+    seeds: Sequence[Mapping[Sym, Sym | float]],
+    last: Sequence[Sequence[Sym]] = (),
+) -> list[list[Sym]]:
+    """Derivatives of the outputs, one list a direction; each seed as in :func:`directrix.kernels.trace.derivative`.
 
-    direct: list[list[Sym]]
-    left: list[list[Sym]]
-    right: list[list[Sym]]
-
-
-def jacobian(graph: Graph, outputs: Sequence[Sym], seeds: Sequence[Mapping[Sym, Sym | float]]) -> list[list[Sym]]:
-    """Derivatives of the outputs, one list a direction; each seed as in :func:`directrix.kernels.trace.derivative`."""
-    return factored_jacobian(graph, outputs, seeds, 0).direct
-
-
-def factored_jacobian(
-    graph: Graph, outputs: Sequence[Sym], seeds: Sequence[Mapping[Sym, Sym | float]], most: int
-) -> Factored:
-    """:func:`jacobian`, of which the last products are left to whoever multiplies matrices.
-
-    What joins all directions to all outputs, like the strains of an element, costs as many products as a row has times
-    a column. Up to ``most`` values whose elimination takes WAIST products or more stay.
+    ``last``: groups of values that are eliminated behind all others, one group after the other. Through what joins
+    much to much, like the stresses of an element, the way is short, and Markowitz does not look that far ahead.
     """
     into = _edges(graph, outputs, seeds)
     results = -1 - len(seeds)
     for k, out in enumerate(outputs):
         if out.index in into:
             into[results - k] = {out.index: graph.const(1.0)}
-    _eliminate(into, [v for v in into if v >= 0], most)
-    kept = [v for v in into if v >= 0]
+    groups = [{value.index for value in group} & into.keys() for group in last]
+    waiting = set[int]().union(*groups)
+    for group in [{v for v in into if v >= 0} - waiting, *groups]:
+        _eliminate(into, sorted(group & into.keys()))
     zero = graph.const(0.0)
-
-    def after(vertex: int) -> list[Sym]:
-        return [into.get(results - k, {}).get(vertex, zero) for k in range(len(outputs))]
-
-    directions = range(-1, -1 - len(seeds), -1)
-    right = [[into[v].get(d, zero) for d in directions] for v in kept]
-    return Factored([after(d) for d in directions], [after(v) for v in kept], right)
+    rows = [into.get(results - k, {}) for k in range(len(outputs))]
+    return [[row.get(d, zero) for row in rows] for d in range(-1, -1 - len(seeds), -1)]
 
 
 def _edges(graph: Graph, outputs: Sequence[Sym], seeds: Sequence[Mapping[Sym, Sym | float]]) -> Edges:
@@ -77,9 +61,8 @@ def _edges(graph: Graph, outputs: Sequence[Sym], seeds: Sequence[Mapping[Sym, Sy
     return into
 
 
-def _eliminate(into: Edges, inner: list[int], most: int) -> None:
-    """Eliminate the vertices ``inner``; of equally cheap ones the first recorded goes first. What costs WAIST or
-    more stays, up to ``most``, where it depends on directions alone and nothing but outputs depends on it."""
+def _eliminate(into: Edges, inner: list[int]) -> None:
+    """Eliminate the vertices ``inner``; of equally cheap ones the first recorded goes first."""
     out: dict[int, set[int]] = {}
     for vertex, edges in into.items():
         for source in edges:
@@ -96,10 +79,6 @@ def _eliminate(into: Edges, inner: list[int], most: int) -> None:
         if left.get(vertex) != c:
             continue
         del left[vertex]
-        alone = all(v < 0 for v in (*into[vertex], *out.get(vertex, ())))
-        if most and c >= WAIST and alone:
-            most -= 1
-            continue
         edges, targets = into.pop(vertex), out.pop(vertex, set[int]())
         for target in sorted(targets):
             weight = into[target].pop(vertex)

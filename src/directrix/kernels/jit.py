@@ -15,7 +15,7 @@ import numpy as np
 
 from directrix.kernels.compile import text_address
 from directrix.kernels.kinds import Array
-from directrix.kernels.record import Record
+from directrix.kernels.record import Record, address
 from directrix.kernels.translate import Translation, kind_of
 
 __all__ = ["compiled", "inner"]
@@ -25,7 +25,8 @@ ARRAYS = {
     (np.dtype(item), ndim, packed): Array(item, ndim, packed)
     for item in ("f8", "i8", "u1") for ndim in range(1, 7) for packed in (True, False)
 }  # fmt: skip
-ENTRY = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
+OUT = ctypes.c_int64 * 8
+ENTRY = ctypes.CFUNCTYPE(None, ctypes.c_char_p, OUT)
 
 
 class _Loop:
@@ -35,25 +36,29 @@ class _Loop:
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.function = function
-        self.ready: dict[tuple[int, ...], Any] = {}
+        self.count = function.__code__.co_argcount
+        self.ready: dict[tuple[int, ...], tuple[Any, Callable[..., bytes]]] = {}
 
     def __call__(self, *arguments: Any) -> Any:
-        given = self.function.__defaults__ or ()
-        missing = self.function.__code__.co_argcount - len(arguments)
+        missing = self.count - len(arguments)
         if missing:
-            arguments = (*arguments, *given[len(given) - missing :])
-        words: list[int] = []
+            arguments = (*arguments, *(self.function.__defaults__ or ())[-missing:])
+        words: list[int | float] = []
         kinds = [_word(value, words) for value in arguments]
         key = tuple(map(id, kinds))  # kinds that are equal are one object
-        call = self.ready.get(key)
-        if call is None:
-            call = self.ready[key] = self.make(tuple(kinds))
-        out = (ctypes.c_int64 * 8)()
-        call((ctypes.c_int64 * len(words))(*words), out)
+        ready = self.ready.get(key)
+        if ready is None:
+            of = "".join("d" if isinstance(word, float) else "q" for word in words)
+            ready = self.ready[key] = self.make(tuple(kinds)), struct.Struct(of).pack
+        call, packed = ready
+        out = OUT()
+        call(packed(*words), out)
+        if not out[0]:
+            return None
         result = kind_of(out[0])
         if result.startswith("("):
             return tuple(_number(kind, word) for kind, word in zip(result[1:], out[1:], strict=False))
-        return _number(result, out[1]) if result else None
+        return _number(result, out[1])
 
     def make(self, kinds: tuple[Any, ...]) -> Any:
         """Compile, or fetch from the cache."""
@@ -69,24 +74,23 @@ def _source(file: str) -> str:
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
-def _word(value: Any, words: list[int]) -> Any:
+def _word(value: Any, words: list[int | float]) -> Any:
     """Append the words of an argument; its kind."""
-    if isinstance(value, np.ndarray):
-        about = value.__array_interface__
-        words.append(about["data"][0])
-        words += value.shape
-        strides = about["strides"]
-        if strides is not None:
-            words += strides
-        kind = ARRAYS.get((value.dtype, value.ndim, strides is None))
-        if kind is None:
-            raise TypeError(f"compiled loops take no array of {value.dtype} with {value.ndim} dimensions")
-        return kind
     if isinstance(value, Record):
         words.append(value.address)
         return value.kind
+    if isinstance(value, np.ndarray):
+        packed = value.flags.c_contiguous
+        words.append(address(value))
+        words += value.shape
+        if not packed:
+            words += value.strides
+        kind = ARRAYS.get((value.dtype, value.ndim, packed))
+        if kind is None:
+            raise TypeError(f"compiled loops take no array of {value.dtype} with {value.ndim} dimensions")
+        return kind
     if isinstance(value, float):
-        words.append(struct.unpack("q", struct.pack("d", value))[0])
+        words.append(value)
         return "f"
     words.append(int(value))
     return "b" if isinstance(value, bool | np.bool_) else "i"

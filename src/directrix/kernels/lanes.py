@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from directrix.kernels.compile import LANES, text_address
+from directrix.kernels.order import FENCE, scheduled
 from directrix.kernels.trace import FUNCTIONS, Graph, Sym, needed
 
 __all__ = ["Code", "Store", "lane_address", "lane_ir"]
@@ -29,7 +30,7 @@ class Store(NamedTuple):
 
 
 class Code(NamedTuple):
-    """What a function does: its arrays in the order of its arguments, and what it stores, in the order to compute it.
+    """What a function does: its arrays in the order of its arguments, and what it stores; neighbours are close.
 
     Arrays that are read and written are read in full before the first is stored.
     """
@@ -39,7 +40,7 @@ class Code(NamedTuple):
     stores: Sequence[Store]
     common: Sequence[str] = ()
     recorded: bool = False
-    """Compute in the order of recording instead of that of the results."""
+    """Compute in the order of recording."""
     tile: int = 0
     """So many results are computed and stored at a time, in the order of recording and with inputs read anew. Of an
     array that is read and written, a tile must read none that was stored before it."""
@@ -106,27 +107,29 @@ def lane_ir(code: Code, name: str) -> str:
         for index in indices:
             text[index] = emit(index)
 
-    order = needed(graph, [store.value for store in stores])
+    values = [store.value for store in stores]
+    order = needed(graph, values)
     both = {a for index in order for op, a, _ in [graph.ops[index]] if op == "in" and a in written}
-    done: set[int] = set()  # what is computed and kept
     if code.recorded:
         compute(in_time(graph, order))
-    for first in range(0, len(stores), code.tile) if code.tile else ():
-        part = stores[first : first + code.tile]
-        text.clear()
-        compute(in_time(graph, needed(graph, [store.value for store in part])))
-        for store in part:
+        for store in stores:
             save(store)
-    for store in () if code.tile else stores:
-        if not code.recorded:
-            compute(needed(graph, [store.value], done))
-            # inputs are read again for the next result: kept, they would be written to the stack and read from there
-            done -= {index for index in done if graph.ops[index][0] == "in"}
-        if store.array not in both:
-            save(store)
-    for store in () if code.tile else stores:
-        if store.array in both:
-            save(store)
+    elif code.tile:
+        for first in range(0, len(stores), code.tile):
+            text.clear()
+            compute(in_time(graph, needed(graph, values[first : first + code.tile])))
+            for store in stores[first : first + code.tile]:
+                save(store)
+    else:
+        for indices, part in scheduled(graph, values, reread=True):
+            compute(indices)
+            for store in (stores[k] for k in part):
+                if store.array not in both:
+                    save(store)
+            lines.append(FENCE)
+        for store in stores:
+            if store.array in both:
+                save(store)
     used = {op for op, _, _ in graph.ops} & {*FUNCTIONS, "abs"}
     names = sorted("fabs" if op == "abs" else op for op in used)
     declared = [f"declare {VEC} @llvm.{op}.v{LANES}f64({VEC})" for op in names]

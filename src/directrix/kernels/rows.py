@@ -14,14 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from directrix.formulations.element import COMMON, Element, factored_step_of, step_of
+from directrix.formulations.element import COMMON, Element, step_of
 from directrix.formulations.layout import PER_NODE, Layout, Scalar
 from directrix.kernels.lanes import Code, Store
 from directrix.kernels.trace import Graph, Sym, cross, dot
 
 __all__ = [
     "CARRY", "NODE", "ROW", "audit", "backward", "block", "finish", "forward", "inside", "measure", "move", "pass_on",
-    "pivot", "product", "residual", "step", "tangent",
+    "pivot", "product", "residual", "step",
 ]  # fmt: skip
 
 NODE = 36  # values of a node: (r1, R1), (Δr, R0), rates
@@ -87,8 +87,8 @@ def _held(
     return own, f, u, [m * v for m, v in zip(free, b, strict=True)]
 
 
-def product(sign: int) -> Code:
-    """c = start ± a b of 6×6 matrices; ``start`` may be ``c``. One small function for all products: what is straight
+def product() -> Code:
+    """c = start − a b of 6×6 matrices; ``start`` may be ``c``. One small function for all products: what is straight
     line in one piece does not stay in the instruction cache."""
     graph = Graph()
     a, b, start = (_matrix(graph.inputs(name, 36)) for name in ("a", "b", "start"))
@@ -96,7 +96,7 @@ def product(sign: int) -> Code:
     for i0 in range(0, 6, 3):
         for j0 in range(0, 6, 3):
             columns, part = [row[j0 : j0 + 3] for row in b], [row[j0 : j0 + 3] for row in start[i0 : i0 + 3]]
-            tile = times(a[i0 : i0 + 3], columns, part, sign)
+            tile = times(a[i0 : i0 + 3], columns, part, -1)
             stores += [Store("c", 6 * (i0 + i) + j0 + j, tile[i][j]) for i in range(3) for j in range(3)]
     return Code(graph, ("a", "b", "start", "c"), stores, tile=9, may_be_one=("start", "c"))
 
@@ -134,16 +134,19 @@ def pivot(masked: bool, inner: bool) -> Code:
     return Code(graph, arrays, stores, recorded=True)
 
 
-def pass_on(inner: bool) -> Code:
-    """What y of a ``row`` leaves on the next node and on the first: into ``carry``, or into the forces ``small``."""
+def pass_on(inner: bool, far: bool = False) -> Code:
+    """What y of a ``row`` leaves on the next node and on the first: into ``carry``, or into the forces ``small``.
+
+    Here and below ``far`` is for rows that feel nothing of the first node: G and Q are not read."""
     graph = Graph()
     row, out = graph.inputs("row", ROW), graph.inputs("out", 12 if inner else 18)
     low, g, y = _matrix(row[36:72]), _matrix(row[72:108]), _column(row[180:186])
     if inner:
-        first = graph.inputs("carry", CARRY)[156:162]
         after = _flat(times(low, y, _column([-v for v in out[6:12]]), -1))
         stores = [Store("carry", 108 + i, v) for i, v in enumerate(after)]
-        stores += [Store("carry", 156 + i, v) for i, v in enumerate(_flat(times(g, y, _column(first), -1)))]
+        if not far:
+            first = graph.inputs("carry", CARRY)[156:162]
+            stores += [Store("carry", 156 + i, v) for i, v in enumerate(_flat(times(g, y, _column(first), -1)))]
         return Code(graph, ("row", "out", "carry"), stores, recorded=True)
     ends = [*_flat(times(g, y, _column(out[:6]))), *_flat(times(low, y, _column(out[12:])))]
     return Code(graph, ("row", "out", "small"), [Store("small", i, v) for i, v in enumerate(ends)], recorded=True)
@@ -172,26 +175,29 @@ def inside() -> Code:
     return Code(graph, ("row", "res"), stores, recorded=True)
 
 
-def forward() -> Code:
+def forward(far: bool) -> Code:
     """A new right-hand side ``res`` (6) through a row that is eliminated already."""
     graph = Graph()
     row, res, carry = graph.inputs("row", ROW), graph.inputs("res", 6), graph.inputs("carry", CARRY)
     minus_di, l, g = (_matrix(row[36 * k : 36 * k + 36]) for k in range(3))
     y = times(minus_di, _column([r + c for r, c in zip(res, carry[108:114], strict=True)]), sign=-1)
-    after = [*(-v for v in _flat(times(l, y))), *_flat(times(g, y, _column(carry[156:162]), -1))]
     stores = [Store("row", 180 + k, v) for k, v in enumerate(_flat(y))]
-    stores += [Store("carry", k, v) for k, v in zip([*range(108, 114), *range(156, 162)], after, strict=True)]
+    stores += [Store("carry", 108 + k, -v) for k, v in enumerate(_flat(times(l, y)))]
+    if not far:
+        on_first = _flat(times(g, y, _column(carry[156:162]), -1))
+        stores += [Store("carry", 156 + k, v) for k, v in enumerate(on_first)]
     return Code(graph, ("row", "res", "carry"), stores, recorded=True)
 
 
-def backward() -> Code:
-    """The increment ``du`` of a node from those of the ``next`` and the ``first``; ``size``: largest squares so far of
-    displacement and turn, and the sum of all, which shows what is not finite."""
+def backward(far: bool) -> Code:
+    """The increment ``du`` of a node from those of the ``next`` and, if not ``far``, the ``first``; ``size``: largest
+    squares so far of displacement and turn, and the sum of all, which shows what is not finite."""
     graph = Graph()
     row, after, first = graph.inputs("row", ROW), graph.inputs("next", 6), graph.inputs("first", 6)
     size = graph.inputs("size", 3)
     p, q = (_matrix(row[108 + 36 * k : 144 + 36 * k]) for k in range(2))
-    du = _flat(times(q, _column(first), times(p, _column(after), _column(row[180:186]), -1), -1))
+    own = times(p, _column(after), _column(row[180:186]), -1)
+    du = _flat(own if far else times(q, _column(first), own, -1))
     return Code(graph, ("row", "next", "first", "du", "size"), _sized(du, size), recorded=True)
 
 
@@ -282,37 +288,11 @@ def finish() -> Code:
     return Code(graph, ("x", "load", "res", "free", "own", "g", "sums"), stores, ("g",))
 
 
-def step(element: Element, layout: Layout, aligned: bool) -> Code:
-    """Forces of an element on nodes in lanes, alone, as ``record_step`` has them."""
+def step(element: Element, layout: Layout, aligned: bool, tangent: bool) -> Code:
+    """Forces of an element on nodes in lanes, and its tangent if asked for, as ``record_step`` has them."""
     graph, x, p, g = _element_inputs(layout, aligned)
-    results, places = step_of(graph, element, layout, x, p, g, tangent=False)
-    stores = [Store("out", k, v) for k, v in zip(places, results, strict=True)]
+    stores = [Store("out", k, v) for k, v in enumerate(step_of(graph, element, layout, x, p, g, tangent))]
     return Code(graph, ("x", "p", "g", "out"), stores, ("g",))
-
-
-def tangent(element: Element, layout: Layout, aligned: bool) -> Code:
-    """Forces of an element and its tangent, of which products of matrices are left to the caller.
-
-    Behind forces and blocks as ``record_step`` has them, for each stress point: the left blocks of all nodes, then the
-    right ones. Each left one times each right one is to be added to the block of their nodes.
-    """
-    graph, x, p, g = _element_inputs(layout, aligned)
-    forces, factored = factored_step_of(graph, element, layout, x, p, g)
-    nn, zero = layout.nn, graph.const(0.0)
-    size = 6 * nn
-    stores: list[Store] = []
-    blocks = [Store("out", k, v) for k, v in enumerate(forces)]
-    for column, slopes in enumerate(factored.direct):
-        b, k = divmod(column, 6)
-        blocks += [Store("out", size + 36 * (nn * b + i // 6) + 6 * (i % 6) + k, v) for i, v in enumerate(slopes)]
-    first = size + 36 * nn * nn
-    for k in range(6 * layout.points):
-        there = k < len(factored.left)
-        left, right = (factored.left[k], factored.right[k]) if there else ([zero] * size, [zero] * size)
-        at = first + 72 * nn * (k // 6)
-        stores += [Store("out", at + 36 * (i // 6) + 6 * (i % 6) + k % 6, v) for i, v in enumerate(left)]
-        stores += [Store("out", at + 36 * (nn + i // 6) + 6 * (k % 6) + i % 6, v) for i, v in enumerate(right)]
-    return Code(graph, ("x", "p", "g", "out"), [*stores, *blocks], ("g",))
 
 
 def audit(element: Element, layout: Layout, aligned: bool) -> Code:

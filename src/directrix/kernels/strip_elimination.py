@@ -10,9 +10,9 @@ __all__ = ["BATCH", "eliminate_strip", "pass_again"]
 
 # places of the machine code of a strip
 (
-    TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, FORWARD, BACKWARD, MEASURE, MOVE, BALANCE, FINISH, ADD, LESS,
-    MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
-) = range(18)  # fmt: skip
+    TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, PASS_ON_FAR, FORWARD, FORWARD_FAR, BACKWARD, BACKWARD_FAR, MEASURE,
+    MOVE, BALANCE, FINISH, LESS, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
+) = range(20)  # fmt: skip
 BATCH = 4
 """Elements whose tangents are computed before they are eliminated: the code of neither is small, and both together do
 not stay in the instruction cache."""
@@ -23,20 +23,6 @@ LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK
 # parts of the carry
 COLUMN, ROW_G, RHS, OWN, OWN_RHS = BLOCK, 2 * BLOCK, 108 * LANES, 120 * LANES, 156 * LANES
 SIX, X, R = 6 * LANES, NODE * LANES, ROW * LANES
-
-
-@inner
-def _element(code, s, e, at, g):
-    """Forces and tangent of element ``e`` of all lanes into ``s.out[at:]``."""
-    out, nn = s.out, s.stride + 1
-    call_lanes(code[TANGENT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, g, 0, out, at)
-    blocks = at + nn * SIX
-    for point in range(s.points):
-        left = blocks + (nn * nn + 2 * nn * point) * BLOCK
-        for b in range(nn):
-            for a in range(nn):
-                to = blocks + (nn * b + a) * BLOCK
-                call_lanes(code[ADD], out, left + a * BLOCK, out, left + (nn + b) * BLOCK, out, to, out, to)
 
 
 @inner
@@ -90,10 +76,9 @@ def _eliminate(code, s, e, small, small_at, frozen, far):
     blocks = small_at + 2 * SIX
     call_lanes(code[LESS], row, at, small, blocks + 2 * BLOCK, none, 0, row, at + UP)
     call_lanes(code[LESS], row, at + LOW, row, at + UP, small, blocks + 3 * BLOCK, carry, 0)
+    s.far[e] = far
     if far:
-        for k in range(BLOCK):
-            row[at + FIRST + k] = 0.0
-            row[at + BACK + k] = 0.0
+        call_lanes(code[PASS_ON_FAR], row, at, small, small_at, carry, 0)
     else:
         call_lanes(code[LESS], row, at, carry, COLUMN, none, 0, row, at + BACK)
         call_lanes(code[LESS], row, at + LOW, row, at + BACK, none, 0, carry, COLUMN)
@@ -102,7 +87,7 @@ def _eliminate(code, s, e, small, small_at, frozen, far):
             call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, row, at + R + FIRST)
         else:
             call_lanes(code[LESS], row, at + FIRST, row, at + UP, none, 0, carry, ROW_G)
-    call_lanes(code[PASS_ON], row, at, small, small_at, carry, 0)
+        call_lanes(code[PASS_ON], row, at, small, small_at, carry, 0)
 
 
 @inner
@@ -130,7 +115,9 @@ def eliminate_strip(code, s, g, frozen):
     for first in range(0, s.elements, BATCH):
         last = min(first + BATCH, s.elements)
         for e in range(first, last):
-            _element(code, s, e, (e - first) * size, g)
+            call_lanes(
+                code[TANGENT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, g, 0, s.out, (e - first) * size
+            )
         for e in range(first, last):
             small, at = s.out, (e - first) * size
             if s.stride == 2:
@@ -154,6 +141,6 @@ def pass_again(code, s):
         s.carry[108 * LANES + k] = 0.0
         s.carry[156 * LANES + k] = s.res[k]
     for e in range(1, s.elements):
-        call_lanes(code[FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
+        call_lanes(code[FORWARD_FAR if s.far[e] else FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
     for k in range(SIX):
         s.carry[108 * LANES + k] += s.res[last + k]

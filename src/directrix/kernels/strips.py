@@ -16,6 +16,7 @@ from directrix.kernels.rows import NODE
 from directrix.kernels.strip_elimination import (
     AUDIT,
     BACKWARD,
+    BACKWARD_FAR,
     BALANCE,
     FINISH,
     MEASURE,
@@ -107,7 +108,8 @@ def _back(code, s, first, w):
     call_lanes(code[MEASURE], s.du, 0, w.size, 0)
     call_lanes(code[MEASURE], s.du, last, w.size, 0)
     for e in range(s.elements - 1, 0, -1):
-        call_lanes(code[BACKWARD], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
+        back = BACKWARD_FAR if s.far[e] else BACKWARD
+        call_lanes(code[back], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
         at = e * step
         call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip

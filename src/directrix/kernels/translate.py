@@ -16,6 +16,7 @@ import ast
 import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from directrix.kernels.expressions import Expressions
@@ -98,6 +99,7 @@ class Translation:
         return "\n".join([*sorted(self.declared), *self.texts, *lines, "ret void", "}"])
 
 
+@cache
 def kind_of(word: int) -> str:
     """The kinds of results from their code: nothing, one letter, or "(" and a letter each for a tuple."""
     return word.to_bytes(8, "little").rstrip(b"\0").decode()
