@@ -71,7 +71,7 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
     fast = fast_for(newton, DT)
     assert fast is not None
-    strips, results = fast.strips, np.zeros((40, 19))
+    strips, results = fast.strips, np.zeros((40, kernel.RESULTS))
     strips.pack(x)
     strips.set_load(disc.external(0.0))
     strips.run(results)

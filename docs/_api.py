@@ -35,7 +35,7 @@ BEHIND = {
     ),
     "What a result is made of": (
         "result.Mesh", "result.NodeHistory", "result.RodHistory", "result.LinkHistory", "result.ContactHistory",
-        "result.JointHistory", "result.Energy", "result.Momentum", "audit.Audit", "plot.Plots",
+        "result.JointHistory", "result.Energy", "result.Momentum", "trail.Iterations", "audit.Audit", "plot.Plots",
         "critical.PathStability",
     ),
     "For those who extend": (

@@ -1,4 +1,4 @@
-"""Runs an example from the command line: every keyword of ``main`` becomes an option."""
+"""What examples share: run one from the command line, every keyword of ``main`` an option; mark a test as slow."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+
+def slow(test: Callable[[], None]) -> Callable[[], None]:
+    """A test that pytest runs with ``-m slow`` alone; a script does without pytest."""
+    try:
+        import pytest
+    except ImportError:
+        return test
+    return pytest.mark.slow(test)
 
 
 def run(main: Callable[..., Any]) -> None:

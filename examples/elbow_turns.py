@@ -18,7 +18,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
+from _command import slow
 
 import directrix as dx
 from directrix.verification.support_turns import in_frame, spun
@@ -73,13 +73,17 @@ def draw(runs: dict[str, dx.Result], path: Path) -> None:
     figure.savefig(path, dpi=140)
 
 
-@pytest.mark.parametrize("turns", [5, pytest.param(100, marks=pytest.mark.slow)])
-def test_turns_change_nothing(turns: int) -> None:
+def test_turns_change_nothing(turns: int = 5) -> None:
     found = main(turns=turns, rival_turns=1)
     assert found["directors: energy"] <= 1e-8
     assert found["directors: tip"] <= 1e-8
     assert found["balance"] <= 1e-10
     assert found["Simo & Vu-Quoc: energy"] >= 1e-4
+
+
+@slow
+def test_many_turns_change_nothing() -> None:
+    test_turns_change_nothing(100)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
+from _command import slow
 from numpy.typing import NDArray
 
 import directrix as dx
@@ -156,7 +156,7 @@ def _draw(pull: dx.Result, loose: dx.Result, tight: dx.Result, path: Path) -> No
     print(path)
 
 
-@pytest.mark.slow
+@slow
 def test_a_knot_pulled_tight() -> None:
     """Ledger with friction; what presses the strands together against theory."""
     pull, found = main()

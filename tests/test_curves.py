@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -93,3 +95,9 @@ def test_curves_that_cannot_be_are_refused_by_name(make, names: str) -> None:
     with pytest.raises(dx.ModelError, match=names) as error:
         make()
     assert error.value.fix
+
+
+@pytest.mark.parametrize("make", [dx.polyline, dx.spline, lambda p: dx.arc(*p)])
+def test_points_that_cannot_be_computed_with_are_refused(make: Callable[[object], object]) -> None:
+    with pytest.raises(dx.ModelError, match="away"):
+        make([(0, 0, 1), (1e200, 1e200, 1e200), (1, 0, 1)])

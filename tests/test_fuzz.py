@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import random
 import re
+import resource
 import signal
-from collections.abc import Iterator
+import subprocess
+import sys
+import traceback
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,6 +21,8 @@ from typer.testing import CliRunner
 from directrix.cli import app
 from directrix.codes import CODES
 
+UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
+START = 1.5  # s that starting takes, all imports among them: 0.9 s for most cases on a quiet machine, 1.5 s for splines
 HANGS = 60  # seconds after which a check is stopped as one that hangs
 
 
@@ -59,7 +65,7 @@ def answer(path: Path) -> int:
     return 2
 
 
-def some(count: int, seed: int, folder: Path) -> list[int]:
+def some(count: int, seed: int, folder: Path, ask: Callable[[Path], int] = answer) -> list[int]:
     """Exit codes of ``count`` mutants; the last one is left in the folder when something fails."""
     rng, codes = random.Random(seed), []
     for k in range(count):
@@ -67,7 +73,7 @@ def some(count: int, seed: int, folder: Path) -> list[int]:
         path = folder / f"case{ending}"
         path.write_text(text, encoding="utf-8")
         try:
-            codes.append(answer(path))
+            codes.append(ask(path))
         except BaseException as error:
             raise AssertionError(f"mutant {k} of seed {seed}:\n{text[:3000]}") from error
     return codes
@@ -84,10 +90,48 @@ def test_150_mutants(tmp_path: Path) -> None:
     assert 20 < codes.count(2) < 150  # most are wrong, some still valid
 
 
+def apart(path: Path) -> tuple[int, float]:
+    """The same in a process forked from this one, which has imported all that any case needs, so that its memory is at
+    least that of the command; exit code and processor time beside what starting takes. 2 s are allowed for both."""
+    child = os.fork()
+    if child == 0:
+        try:
+            os._exit(answer(path))
+        except BaseException:
+            traceback.print_exc()
+            os._exit(99)
+    _, status, used = os.wait4(child, 0)
+    code, seconds = os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime
+    assert code in (0, 2)
+    assert used.ru_maxrss * UNIT < 500e6, f"{used.ru_maxrss * UNIT / 1e6:.0f} MB"
+    assert code == 0 or seconds < 2.0 - START, f"{seconds:.2f} s"  # a valid mesh may take its time
+    return code, seconds
+
+
+def measured(count: int, seed: int, folder: Path) -> None:
+    """What :func:`test_10_000_mutants` does in a fresh process, whose memory is that of the command alone."""
+    for path in SEEDS:
+        answer(path)
+    took: list[float] = []
+
+    def ask(path: Path) -> int:
+        code, seconds = apart(path)
+        if code == 2:
+            took.append(seconds)
+        return code
+
+    some(count, seed, folder, ask)
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * UNIT
+    print(f"{len(took)} of {count} refused, {max(took):.2f} s at most, {sum(took) / len(took):.3f} s in the mean;"
+          f" {most / 1e6:.0f} MB at most")  # fmt: skip
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 110))
 def test_10_000_mutants(seed: int, tmp_path: Path) -> None:
-    some(1000, seed, tmp_path)
+    call = f"from pathlib import Path; import test_fuzz; test_fuzz.measured(1000, {seed}, Path({str(tmp_path)!r}))"
+    done = subprocess.run([sys.executable, "-c", call], cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-8000:]
 
 
 GOOD = next(p for p in SEEDS if p.stem == "cantilever").read_bytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from itertools import pairwise
 from pathlib import Path
@@ -114,6 +115,48 @@ def test_a_graph_becomes_rods_with_its_attributes() -> None:
     graph.add_edge(0, 1, elemets=3)
     with pytest.raises(dx.ModelError, match="elemets"):
         dx.from_graph(graph, section={"thick": OTHER, None: SECTION})
+
+
+@pytest.mark.parametrize("ending", ["graphml", "gml", "json"])
+def test_a_file_of_a_graph_is_the_graph(ending: str, tmp_path: Path) -> None:
+    nx = pytest.importorskip("networkx")
+    from directrix.schema.load import load_case
+
+    graph = nx.Graph()
+    for name, at in {"a": (0.0, 0.0, 0.0), "b": (1.0, 0.0, 0.0), "c": (1.0, 2.0, 0.5)}.items():
+        graph.add_node(name, **dict(zip("xyz", at, strict=True)))
+    graph.add_edge("a", "b", section="thick", elements=3)
+    graph.add_edge("b", "c")
+    path = tmp_path / f"frame.{ending}"
+    match ending:
+        case "graphml":
+            nx.write_graphml(graph, path)
+        case "gml":
+            nx.write_gml(graph, path)
+        case _:
+            path.write_text(json.dumps(nx.node_link_data(graph)))
+    model = dx.from_graph(path, section={"thick": OTHER, None: SECTION}, scale=0.5, elements=2)
+    assert [(rod.name, rod.section, rod.elements) for rod in model.rods] == [("a-b", OTHER, 3), ("b-c", SECTION, 2)]
+    np.testing.assert_allclose(places(model)["c"], [0.5, 1.0, 0.25])
+    (tmp_path / "case.toml").write_text(
+        f"""
+        section.thick = {{ kind = "circle", radius = 0.02, E = 1e9, nu = 0.3 }}
+        section.thin = {{ kind = "circle", radius = 0.01, E = 1e9, nu = 0.3 }}
+        geometry = [{{ kind = "graph", file = "{path.name}", section = "thin", elements = 2 }}]
+        support = [{{ node = "a", type = "clamp" }}]
+        statics = {{}}
+        """
+    )
+    said = load_case(tmp_path / "case.toml").model.rods
+    thick, thin = (dx.Section.circle(radius=r, E=1e9, nu=0.3) for r in (0.02, 0.01))
+    assert [(rod.name, rod.section, rod.elements) for rod in said] == [("a-b", thick, 3), ("b-c", thin, 2)]
+    path.write_text("{")
+    with pytest.raises(dx.InputError, match="no graph that networkx reads"):
+        dx.from_graph(path, section=SECTION)
+    with pytest.raises(dx.InputError, match="by its ending"):
+        dx.from_graph(tmp_path / "frame.txt", section=SECTION)
+    with pytest.raises(dx.InputError, match="cannot be read"):
+        dx.from_graph(tmp_path / f"none.{ending}", section=SECTION)
 
 
 # --- meshes

@@ -82,6 +82,8 @@ def test_an_example_is_script_test_and_page(path: Path) -> None:
     page = ast.get_docstring(tree) or ""
     assert f"python examples/{path.name}" in page
     assert any(name.startswith("test_") for name in functions)
+    imported = {alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names}
+    assert "pytest" not in imported  # who runs a script need not have it
     main = functions["main"]
     assert not main.args.args
     assert all(a.annotation for a in main.args.kwonlyargs)

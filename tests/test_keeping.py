@@ -484,7 +484,8 @@ def test_damaged_checkpoints_and_segments_are_noticed(case: Path, monkeypatch: p
     newest = store.newest()
     assert newest is not None
     slot = store.slot(newest["serial"])
-    slot.write_bytes(slot.read_bytes()[:-1] + b"?")
+    data = slot.read_bytes()
+    slot.write_bytes(data[:-1] + bytes([data[-1] ^ 1]))
     older = store.newest()
     assert older is not None and older["serial"] == newest["serial"] - 1
     segment = store.segment(older["segments"] - 1)

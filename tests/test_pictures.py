@@ -23,6 +23,7 @@ from directrix.pictures.ledger import sides
 from directrix.plot import Plots
 from directrix.quantities import QUANTITIES, series
 from directrix.result import Energy, Result
+from directrix.trail import Iterations
 
 matplotlib.use("Agg")
 
@@ -124,6 +125,7 @@ def test_orbits_and_phases() -> None:
         (lambda p: p.diagram("M3"), "no component of a section 'M3'"),
         (lambda p: p.diagram(scale=float("nan")), "scale = nan"),
         (lambda p: p.newton([3]), "3 is no result"),
+        (lambda p: p.convergence(), "nothing is known of the iterations"),
         (lambda p: p.refinement([RESULT, RESULT], "C"), "differ neither"),
     ],
 )
@@ -224,6 +226,19 @@ def test_the_sides_of_the_ledger_differ_by_the_residual() -> None:
 
 
 # ---- convergence ----
+
+
+def test_convergence_draws_the_last_tries() -> None:
+    rows = np.array([[9.0, 1.0, 0.3, 0.1, 2], [1.0, 2.0, 0.1, 0.0, 2], [0.0, 3.0, 0.2, 0.4, 1]])
+    trail = Iterations(np.array([4, 5]), np.array([True, False]), np.array([2, 1]), rows)
+    result = replace(RESULT, trail=trail)
+    for of, lines in (("force", ([9.0, 1.0], [])), ("turn", ([0.1], [0.4])), (None, ([0.1], [0.4]))):
+        ax: Any = Plots(result).convergence(of)
+        assert tuple(line.get_ydata().tolist() for line in ax.lines[:2]) == lines
+        said = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert said[:2] == ["step 5, solved", "step 6, not solved"]
+        assert said[2] == f"last furthest from balance at {RESULT.mesh.label(1)}"
+    assert len(Plots(result).convergence(tries=1).lines[0].get_ydata()) == 1
 
 
 def test_newton_counts_iterations() -> None:

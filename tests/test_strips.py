@@ -10,6 +10,7 @@ from directrix import dynamics, strips
 from directrix.discretisation import discretise
 from directrix.kernels.compile import LANES
 from directrix.kernels.rows import ROW
+from directrix.kernels.strips import RESULTS
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.strips import strips_for
@@ -105,7 +106,7 @@ def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPa
     chain = strips_for(disc, scheme, False, newton.options)
     assert chain is not None
     chain.pack(initial_state(disc, None, scheme))
-    chain.run(np.zeros((1, 19)))
+    chain.run(np.zeros((1, RESULTS)))
     row = chain.parts[0].strip.row.reshape(-1, ROW, LANES)
     first, last = (np.abs(row[k, 144:180]).max() for k in (4, 39))  # D⁻¹F
     assert first > 0.0 and last == 0.0 and np.abs(row[39, :36]).max() > 0.0

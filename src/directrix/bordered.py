@@ -28,10 +28,11 @@ BLIND = 1e-12  # |cos| of the angle between the row and the path below which the
 
 
 class Corrected(NamedTuple):
-    """How an iteration ended: the load factor, iterations, and a status that is None when it converged."""
+    """How an iteration ended: the load factor, its rows as in :class:`directrix.trail.Iterations`, and a status that is
+    None when it converged."""
 
     factor: float
-    iterations: int
+    trail: Array
     status: Status | None
 
 
@@ -76,33 +77,37 @@ class Bordered:
         n = self.disc.nodes
         tolerance, floor, size = newton.options[0], newton.options[1:3], newton.options[3]
         limit, cayley = newton.options[4], newton.options[6] > 0.0
-        for count in range(1, newton.settings.iterations + 1):
+        trail = np.full((newton.settings.iterations, 5), np.nan)
+        for count in range(1, len(trail) + 1):
+            done = trail[:count]
             found = self._increments(x, factor)
+            kernel.off_balance(n, work, newton.mask, False, done[-1])
             if isinstance(found, Status):
-                return Corrected(factor, count, found)
+                return Corrected(factor, done, found)
             out_of_balance, per_factor = found
             rise = 0.0
             if row is not None:
                 c, gap = row(x)
                 closing = float(np.sum(c * per_factor[:n]))
                 if not abs(closing) > BLIND * np.linalg.norm(c) * np.linalg.norm(per_factor[:n]):
-                    return Corrected(factor, count, self._blind())
+                    return Corrected(factor, done, self._blind())
                 rise = -(gap + float(np.sum(c * out_of_balance[:n]))) / closing
             moved, turned, bad = kernel.move(out_of_balance + rise * per_factor, n, x, False, cayley, limit)
+            done[-1, 2:4] = moved, turned
             if bad >= 0 or not np.isfinite(rise):
-                return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, max(bad, 0)))
+                return Corrected(factor, done, newton.verdict(kernel.NON_FINITE, max(bad, 0)))
             factor += float(rise * min(1.0, limit / max(turned, 1e-300)))
             newton.place(x, factor)
             if moved <= 1e-9 * size and turned <= 1e-9:
                 newton.applied(x, newton.loads(factor))
                 worst, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
                 if worst <= 1.0:
-                    return Corrected(factor, count, None)
+                    return Corrected(factor, done, None)
                 if not np.isfinite(worst):
-                    return Corrected(factor, count, newton.verdict(kernel.NON_FINITE, at))
+                    return Corrected(factor, done, newton.verdict(kernel.NON_FINITE, at))
         newton.applied(x, newton.loads(factor))
         _, at = kernel.imbalance(n, work, newton.mask, tolerance, floor, size)
-        return Corrected(factor, newton.settings.iterations, newton.verdict(kernel.LIMIT, at))
+        return Corrected(factor, trail, newton.verdict(kernel.LIMIT, at))
 
     def tangent(self, x: Array, factor: float, at_limit: bool = True) -> tuple[Array, float] | Status:
         """Unit tangent (n, 6) of the path at an equilibrium and dλ/ds ≥ 0 along it; Status when there is none.

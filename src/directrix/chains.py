@@ -8,7 +8,6 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq  # pyright: ignore[reportUnknownVariableType]
 
 from directrix.checks import Vec, number, vector
 from directrix.curves import DirectorRule, first_frame
@@ -43,6 +42,8 @@ class Catenary:
     @cached_property
     def parameter(self) -> float:
         """c of y = c cosh(x/c): horizontal tension over weight per length."""
+        from scipy.optimize import brentq  # pyright: ignore[reportUnknownVariableType]
+
         _, _, rise, span = self._axes
         # √(L² − h²) = 2 c sinh(a/2c); q = a/2c
         ratio = float(np.sqrt(self.total**2 - rise**2)) / span

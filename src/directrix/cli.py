@@ -81,6 +81,7 @@ class Picture(StrEnum):
     path = "path"
     branches = "branches"
     newton = "newton"
+    convergence = "convergence"
 
 
 class Format(StrEnum):
@@ -418,7 +419,8 @@ def plot(
     chosen = picture or what
     if chosen is None or (picture is not None and what is not None):
         raise ModelError(
-            "what to draw has to be said once", f"give one of {', '.join(Picture)}, by itself or with --what"
+            "what to draw has to be said once",
+            f"behind the result give one of {', '.join(Picture)}, by itself or with --what",
         )
     result, path = _load(result_file)
     others: dict[str, Result] = {}

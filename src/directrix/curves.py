@@ -71,6 +71,9 @@ def _options(directors: str, d1: Any) -> tuple[str, Vec | None]:
     return directors, d1
 
 
+FAR = 1e60  # coordinates whose squares, and the squares of those, are finite
+
+
 def _points(points: Any, what: str, least: int) -> tuple[Vec, ...]:
     try:
         given = tuple(vector(p, f"point {k} of the {what}") for k, p in enumerate(points))
@@ -80,6 +83,8 @@ def _points(points: Any, what: str, least: int) -> tuple[Vec, ...]:
         raise ModelError(f"the points of a {what} are not a list of points", "give [(x, y, z), …]") from error
     if len(given) < least:
         raise ModelError(f"a {what} needs {least} points or more, {len(given)} given", "add points")
+    if (far := float(np.abs(given).max())) > FAR:
+        raise ModelError(f"a point of the {what} is {far:.3g} away", "give points of a size that can be computed with")
     for k, (a, b) in enumerate(pairwise(given)):
         if np.linalg.norm(np.subtract(b, a)) <= 1e-12 * np.abs(given).max():
             raise ModelError(f"points {k} and {k + 1} of the {what} are the same, {a}", "remove one of them")

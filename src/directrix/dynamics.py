@@ -194,7 +194,7 @@ def simulate(
                 many = min(many, keeper.room(len(recorder.iterations)))
                 done = fast.take(x, external, many, ledger, beat.k)
                 if done:
-                    recorder.log.took(beat.dt, done)
+                    recorder.log.took(beat.dt, done, fast.moves)
                     beat = pace.on(beat, len(done))
                     before = beat.t
                     if beat.k % save_every == 0:
@@ -218,7 +218,7 @@ def simulate(
             outcome = newton.solve(x, external, moved)
             if outcome.status is not None:
                 x, shorter = good, pace.shorter(beat)
-                recorder.log.threw(rejected=False)
+                recorder.log.threw(newton.trail, rejected=False)
                 if shorter is None:
                     failed = explained(newton, newton.start, outcome.status, static=False)
                     status = Status(failed.code, f"{_stopped(pace, beat)}: {failed.sentence}", failed.advice)
@@ -228,7 +228,7 @@ def simulate(
             fine, after = pace.judge(beat, way(x, disc.nodes) / beat.dt if pace.adaptive else None, disc.length)
             if not fine:
                 x = good
-                recorder.log.threw(rejected=True)
+                recorder.log.threw(newton.trail, rejected=True)
                 if after is None:
                     status = Status("inaccurate", f"{_stopped(pace, beat)}.", "Raise the tolerance, or lower dt_min.")
                     break
@@ -239,7 +239,7 @@ def simulate(
             if ends:
                 acting = books.applied.copy()
             ledger.add(books, beat.dt)
-            recorder.log.took(beat.dt, [outcome.iterations])
+            recorder.log.took(beat.dt, [outcome.iterations], newton.trail)
             whole_step, beat, before = beat.asked, after, t
             count = len(recorder.iterations) if pace.adaptive else beat.k
             if (whole_step or not pace.on_time) and count % save_every == 0:
@@ -254,7 +254,7 @@ def simulate(
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken
             done = fast.settle(ledger)
-            recorder.log.took(beat.dt, done)
+            recorder.log.took(beat.dt, done, fast.moves)
             before = pace.on(beat, len(done)).t if isinstance(pace, Fixed) and done else before
         status = keeper.interrupted(f"t = {before:g}")
     except ModelError as error:  # a user's function that fails on the way: keep what there is

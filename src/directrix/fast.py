@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from directrix.audit import DynamicBooks
 from directrix.keeping.memory import recall, remember
+from directrix.kernels.strips import MOVES, RESULTS, SHOWN
 from directrix.newton import Books, Newton
 from directrix.strips import Strips, strips_for
 
@@ -37,7 +38,9 @@ class Fast:
         self.newton, self.strips, self.dt = newton, strips, dt
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
-        self.results = np.zeros((0, 19))
+        self.results = np.zeros((0, RESULTS))
+        self.moves = np.zeros((0, SHOWN, 2))
+        """Displacement and turn in the first iterations of the steps that were booked last."""
         self.energy = self.loss = 0.0
         self.before = 0
 
@@ -52,13 +55,14 @@ class Fast:
             self.strips.set_load(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), 19))
+        self.results = np.zeros((min(count, self.strips.many), RESULTS))
         self.strips.run(self.results)
         return self.settle(ledger)
 
     def settle(self, ledger: DynamicBooks) -> list[int]:
         """Book the steps that were taken since this was last done."""
         rows, self.results = self.results[self.results[:, 0] > 0.0], self.results[:0]
+        self.moves = rows[:, MOVES:].reshape(len(rows), SHOWN, 2)
         if len(rows):
             flow, totals = np.zeros((len(rows), 10)), rows[:, 8:16]
             flow[:, 0], flow[:, 2:8] = rows[:, 1], rows[:, 2:8]

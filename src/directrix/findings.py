@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from directrix.model import Model
 
-__all__ = ["Finding", "remarks"]
+__all__ = ["Finding", "closer", "remarks"]
 
 NEAR = 1e-3  # of the shortest rod: places that near to each other are likely meant to be one
 SAME = 1e-9  # of the model's size
@@ -124,7 +124,7 @@ def _no_inertia(model: Model) -> Iterator[Finding]:
             )
 
 
-def _closer(points: NDArray[np.float64], reach: float) -> set[tuple[int, int]]:
+def closer(points: NDArray[np.float64], reach: float) -> set[tuple[int, int]]:
     """Pairs of points that are no further apart than ``reach``."""
     if len(points) > 500:
         from scipy.spatial import KDTree  # takes longer to load than the pairs of a few points
@@ -146,7 +146,7 @@ def _near(model: Model) -> Iterator[Finding]:
         return
     points = np.array(list(places.values()))
     shortest = min(rod.curve.length for rod in model.rods)
-    pairs = _closer(points, NEAR * shortest)
+    pairs = closer(points, NEAR * shortest)
     names, size = list(places), float(np.ptp(points, axis=0).max())
     joined = {frozenset(pair) for rod in model.rods for pair in combinations(rod.names, 2)}
     joined |= {frozenset((k.a, k.b)) for k in model.links if isinstance(k.b, str)}

@@ -157,6 +157,7 @@ class _Search:
             "own": remember(self, "x", "part", "taken", "nudges", "begun", "limit", "left"),
             "fall": remember(self.fall, "pace", "first", "stuck"),
             "status": None if self.status is None else vars(self.status), "newton": self.newton.remember(),
+            "trail": self.recorder.log.trail.remember(),
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -165,6 +166,7 @@ class _Search:
         recall(self.fall, memory["fall"])
         self.status = None if memory["status"] is None else Status(**memory["status"])
         self.newton.recall(memory["newton"])
+        self.recorder.log.trail.recall(memory["trail"])
 
     def go(self, report: Callable[[float, str], None], keeper: Keeper) -> Status:
         """Move on until the end."""
@@ -205,7 +207,7 @@ class _Search:
     def _settled(self) -> Status | None:
         """Newton's iteration, and off again from an equilibrium that the start is symmetric about."""
         outcome = self.newton.solve(self.x, self.loads)
-        self.recorder.iterations.append(outcome.iterations)
+        self.recorder.log.tried(self.newton.trail, solved=outcome.status is None)
         if outcome.status is not None:
             return outcome.status
         if not self.watch.pivots(self.x, 1.0):

@@ -8,7 +8,6 @@ from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from directrix.actuators import Actuation, Drag, Tendon, numbers, value_at
 from directrix.attachments import Body, Link
@@ -16,7 +15,7 @@ from directrix.checks import Vec, choice, flag, nearest, number, shown, text, ve
 from directrix.contacts import Contact, Obstacle, RodContact, named_rods
 from directrix.curves import Curve, Polyline, twisted
 from directrix.errors import ModelError
-from directrix.findings import Finding, remarks
+from directrix.findings import Finding, closer, remarks
 from directrix.joints import Joint
 from directrix.section import Section
 
@@ -659,9 +658,7 @@ class Model:
         names, points = list(places), np.array(list(places.values())).reshape(-1, 3)
         size = self._size(list(points))
         joined = {frozenset(joint.nodes) for joint in self.joints}
-        tree: Any = KDTree(points)
-        pairs: set[tuple[int, int]] = tree.query_pairs(SAME_PLACE * size)
-        for k, j in sorted(pairs):
+        for k, j in sorted(closer(points, SAME_PLACE * size)):
             a, b = names[k], names[j]
             if frozenset((a, b)) not in joined:
                 said.append(

@@ -111,6 +111,7 @@ class Newton:
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
         self.origin: Array = np.zeros(3)
+        self.tried: list[Array] = []
         self.family: Family | None = None
         self.start: Array = np.zeros((0, 40))
         """The state that the last :meth:`solve` began with."""
@@ -176,6 +177,7 @@ class Newton:
         with them.
         """
         near = self.disc.near
+        self.tried = []
         if near is None or self.pairs is None:
             return self._upright(x, self._balance(x, external, moved))
         start, iterations = x.copy(), 0
@@ -240,7 +242,8 @@ class Newton:
                 self.options[4], self.options[7] = self.settings.largest_turn, 1.0
         if outcome.status is not None and outcome.status.code == "singular" and self.tables.chain:
             x[:] = start
-            outcome = self._iterate(self.tables.replaced(chain=0), x, external, moved)
+            again = self._iterate(self.tables.replaced(chain=0), x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         return outcome
 
     def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:
@@ -275,14 +278,22 @@ class Newton:
 
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
         control = np.array([0, 0, int(moved), 0], np.int64)
+        self.work.trail[:, 2:4] = np.nan
         while True:
             code = kernel.newton(tables, self.work, x, self.globals, external, self.mask, self.options, control)
-            if code != kernel.SOLVE:
-                return Outcome(int(control[1]), self.verdict(code, int(control[3])))
-            du = self.sparse.solve(self.work.blocks, self.work.rhs)
-            if du is None:
-                return Outcome(int(control[1]), self.verdict(kernel.SINGULAR, int(control[3])))
-            self.work.du[:] = du
+            if code == kernel.SOLVE:
+                du = self.sparse.solve(self.work.blocks, self.work.rhs)
+                if du is not None:
+                    self.work.du[:] = du
+                    continue
+                code = kernel.SINGULAR
+            self.tried.append(self.work.trail[: control[1]].copy())
+            return Outcome(int(control[1]), self.verdict(code, int(control[3])))
+
+    @property
+    def trail(self) -> Array:
+        """The iterations (many, 5) of the last :meth:`solve`, see :class:`directrix.trail.Iterations`."""
+        return np.concatenate(self.tried)
 
     def verdict(self, code: int, blame: int) -> Status | None:
         """What a code of the kernels and the node to blame mean; None for convergence."""

@@ -52,24 +52,29 @@ class Point(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A step that converged: where it leads, its reach, and the iterations it took."""
+    """A step that converged: where it leads, its reach, and how its iterations went."""
 
     to: Point
     reach: float
-    iterations: int
+    trail: Array
+
+    @property
+    def iterations(self) -> int:
+        """How many it took."""
+        return len(self.trail)
 
 
 class _LostError(ArithmeticError):
     """A step that has to be cut, and why."""
 
-    def __init__(self, status: Status, iterations: int) -> None:
-        self.status, self.iterations = status, iterations
+    def __init__(self, status: Status, trail: Array) -> None:
+        self.status, self.trail = status, trail
 
 
-def settle(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> tuple[Array, float, int]:
+def settle(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> tuple[Array, float, Array]:
     """From one equilibrium to the next: predicted along the tangent, corrected in the gauge's plane.
 
-    Without a gauge ``reach`` is a change of the load factor. State, load factor and iterations. Raises _LostError when
+    Without a gauge ``reach`` is a change of the load factor. State, load factor and trail. Raises _LostError when
     that fails.
     """
     x = at.x.copy()
@@ -82,10 +87,10 @@ def settle(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> 
     else:
         factor = float(at.factor + far * at.slope * min(1.0, limit / max(turned, 1e-300)))
     bordered.newton.place(x, factor)
-    factor, iterations, status = bordered.correct(x, factor, row)
+    factor, trail, status = bordered.correct(x, factor, row)
     if status is not None:
-        raise _LostError(status, iterations)
-    return x, factor, iterations
+        raise _LostError(status, trail)
+    return x, factor, trail
 
 
 def try_step(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -> Trial:
@@ -93,17 +98,17 @@ def try_step(bordered: Bordered, gauge: Gauge | None, at: Point, reach: float) -
 
     Raises _LostError also when the path turns too much on the way to be sure it is the same path.
     """
-    x, factor, iterations = settle(bordered, gauge, at, reach)
+    x, factor, trail = settle(bordered, gauge, at, reach)
     found = bordered.tangent(x, factor)
     if isinstance(found, Status):
-        raise _LostError(found, iterations)
+        raise _LostError(found, trail)
     along = dot(found[0], at.tangent, bordered.length)
     if np.isinf(at.slope) or np.isinf(found[1]):  # nothing moves at one end: only the load factor tells the sense
         along = float(np.sign(at.slope))
     tangent = np.copysign(1.0, along) * found[0]
     if abs(along) < STRAIGHT or (gauge is not None and gauge.rate(tangent) <= 0.0):
-        raise _LostError(SHARP, iterations)
-    return Trial(Point(x, factor, tangent, float(np.copysign(found[1], along))), reach, iterations)
+        raise _LostError(SHARP, trail)
+    return Trial(Point(x, factor, tangent, float(np.copysign(found[1], along))), reach, trail)
 
 
 def locate(
@@ -210,7 +215,8 @@ class Walk:
         return {
             "own": remember(self, *names), "newton": self.newton.remember(), "ledger": self.ledger.remember(),
             "point": [point.x.copy(), point.factor, point.tangent.copy(), point.slope],
-            "gauge": self.gauge.remember(), "watch": None if self.watch is None else self.watch.count,
+            "trail": self.recorder.log.trail.remember(), "gauge": self.gauge.remember(),
+            "watch": None if self.watch is None else self.watch.count,
             "ended": None if self.ended is None else vars(self.ended),
             "turning_points": [vars(p) for p in self.turning_points], "critical": [vars(p) for p in self.critical],
         }  # fmt: skip
@@ -223,6 +229,7 @@ class Walk:
         self.books = self.newton.recall(memory["newton"])
         self.ledger.recall(memory["ledger"])
         recall(self.gauge, memory["gauge"])
+        self.recorder.log.trail.recall(memory["trail"])
         self.ended = None if memory["ended"] is None else Status(**memory["ended"])
         if self.watch is not None:
             self.watch.count = memory["watch"]
@@ -257,7 +264,7 @@ class Walk:
                 trial, turned = self._first_event(whole)
                 crossings = self._crossings(trial, turned)
             except _LostError as lost:
-                self.recorder.iterations.append(lost.iterations)
+                self.recorder.log.tried(lost.trail, solved=False)
                 self.cuts += 1
                 self.reach, self.share = (reach, 0.5 * share) if steer else (0.5 * wish, share)
                 if self.reach < gauge.smallest or self.share < SMALLEST:
@@ -349,8 +356,8 @@ class Walk:
         limit, cayley = self.newton.options[4], self.newton.options[6] > 0.0
         kernel.move(reach * across, self.disc.nodes, x, False, cayley, limit)
         self.newton.place(x, self.point.factor)
-        factor, iterations, status = bordered.correct(x, self.point.factor, normal_to(across, reach, bordered.length))
-        self.recorder.iterations.append(iterations)
+        factor, trail, status = bordered.correct(x, self.point.factor, normal_to(across, reach, bordered.length))
+        self.recorder.log.tried(trail, solved=status is None)
         found = status or bordered.tangent(x, factor)
         if isinstance(found, Status):
             return None
@@ -358,7 +365,7 @@ class Walk:
         if abs(along) < ASIDE or travelled(x, self.disc.nodes, bordered.length) > reach / ASIDE:
             return None
         sense = float(np.copysign(1.0, along))
-        return Trial(Point(x, factor, sense * found[0], sense * found[1]), reach, iterations)
+        return Trial(Point(x, factor, sense * found[0], sense * found[1]), reach, trail)
 
     def _note(self, kind: Kind, crossing: Crossing) -> None:
         """Remember the point just kept as a critical one."""
@@ -403,7 +410,7 @@ class Walk:
         if self.watch is not None:
             self.inside = self.watch.count if crossing is None else crossing.inside
         self.gauge.walk(trial.reach, self.point.tangent)
-        self.recorder.iterations.append(trial.iterations)
+        self.recorder.log.tried(trial.trail, solved=True)
         self.steps, self.parts, self.kept = self.steps + 1, self.parts + part, False
         if turned or self.point.factor in self.control.load_factors or (part and self.parts % self.save_every == 0):
             self._keep()

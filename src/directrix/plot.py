@@ -176,6 +176,19 @@ class Plots:
         """Newton iterations of every step taken."""
         return convergence.newton(self.result, others, ax)
 
+    def convergence(
+        self, of: Literal["force", "moment", "displacement", "turn"] | None = None, tries: int = 8,
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """How the iterations of the last ``tries`` went, failed ones too: the largest "turn" or "displacement" that
+        each asked for, or the largest unbalanced "moment" or "force" before it; the first of them that is known.
+
+        After a large turn the positions are solved for by themselves: forces jump there, and nothing turns.
+
+        Raises ModelError when nothing of that is known.
+        """
+        return convergence.convergence(self.result, of, tries, ax)
+
     def refinement(
         self, others: Sequence[Result], of: Of = None, quantity: str | Callable[[Result], Any] = "displacement",
         component: str | None = None, exact: float | None = None, by: Literal["elements", "dt"] | None = None,

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from directrix.checks import choice, nearest, shown
 from directrix.errors import ModelError
@@ -128,6 +127,8 @@ def series(result: Result, quantity: str, of: Of = None) -> Series:
 
 def rotation_vectors(R: Array) -> Array:
     """Rotation vectors (…, 3) of rotations (…, 3, 3), no longer than π."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_matrix(R.reshape(-1, 3, 3)).as_rotvec().reshape(R.shape[:-1]) if R.size else R[..., 0]
 
 

@@ -175,6 +175,7 @@ class Recorder:
             energy=self._energy(totals, scalars),
             momentum=Momentum(totals[:, 2:5], totals[:, 5:8]),
             iterations=np.array(self.iterations, np.int64),
+            trail=self.log.trail.iterations(),
             dt=dt,
             cuts=cuts,
             status=status,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from directrix.checks import shown
 from directrix.errors import ModelError
 from directrix.marks import Mark
+from directrix.trail import Iterations
 
 if TYPE_CHECKING:
     import pandas
@@ -290,6 +291,8 @@ class Result:
     energy, momentum : histories
     iterations : (steps,) Newton iterations of every step taken
     dt : (steps,) length of every step of a motion; they add up to the time from the start to the end
+    trail : what was out of balance and what moved in the iterations of the last steps, taken or not; see
+        :class:`directrix.trail.Iterations`
     cuts : (steps,) how many times a step of a motion was tried too long before it was taken: its equations were not
         solved, or its error was too large; both are (0,) in statics, where ``info["cuts"]`` counts
     status : how it ended
@@ -331,6 +334,7 @@ class Result:
     stability: PathStability | None = None
     dt: Array = field(default_factory=lambda: np.zeros(0))
     cuts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    trail: Iterations = field(default_factory=Iterations)
 
     @cached_property
     def arc_length(self) -> Array:

@@ -27,8 +27,9 @@ RESULT, SUMMARY, MONITOR, VIEW = "result.vtkhdf", "run.json", "monitor.csv", "vi
 COLUMNS = ("kinetic", "stored", "total", "work", "dissipated", "residual", "Lx", "Ly", "Lz", "Jx", "Jy", "Jz")
 MANY = 4096
 PICTURES, BESIDE = ("energy", "momentum", "motion"), "comparison.png"
+WHY = "convergence"  # drawn when a run did not converge
 RECORDS = "record-*.csv"  # of the points that a case records, written while it runs
-OURS = {RESULT, SUMMARY, MONITOR, VIEW, BESIDE, *(f"{p}.png" for p in PICTURES)}
+OURS = {RESULT, SUMMARY, MONITOR, VIEW, BESIDE, *(f"{p}.png" for p in (*PICTURES, WHY))}
 
 
 def exit_code(result: Result) -> int:
@@ -48,6 +49,8 @@ def draw_all(path: Path, result: Result, beside: Mapping[str, Result]) -> Iterat
     yield Path(result.view(path / VIEW))
     if can_draw():
         pictures = [p for p in PICTURES if p != "momentum" or result.kind == "dynamic"]
+        if result.status.code in ("not_converged", "singular", "non_finite") and result.trail.rows.size:
+            pictures.append(WHY)
         yield from (draw(result, p, path / f"{p}.png") for p in pictures)
         if beside:
             from directrix.comparison import compare_energy_momentum

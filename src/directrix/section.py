@@ -231,6 +231,17 @@ class Section:
         return section_of(name, E=E, nu=nu, G=G, rho=rho, unit=unit, damping=damping)
 
     @classmethod
+    def polygon(
+        cls, outline: ArrayLike, *, holes: Sequence[ArrayLike] = (), E: float, nu: float | None = None,
+        G: float | None = None, rho: float = 0.0, axis: str | tuple[float, float] = "centroid",
+        mesh: float | None = None, damping: ArrayLike = 0.0,
+    ) -> Section:  # fmt: skip
+        """Any shape by its corners (k, 2) along d1 and d2, and those of its holes; see ``directrix.shapes.polygon``."""
+        from directrix.shapes import polygon
+
+        return polygon(outline, holes, E=E, nu=nu, G=G, rho=rho, axis=axis, mesh=mesh, damping=damping)
+
+    @classmethod
     def from_sectionproperties(
         cls, section: Any, *, axis: str | tuple[float, float] = "centroid", E: float | None = None,
         nu: float | None = None, rho: float | None = None,

@@ -9,6 +9,7 @@ about the shear centre. Warping is left free: a rod has no degree of freedom for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +22,9 @@ from directrix.section import Section
 
 Array = NDArray[np.float64]
 
-__all__ = ["section_of", "stress"]
+__all__ = ["polygon", "section_of", "stress"]
+
+LARGEST = 100_000  # triangles
 
 AXES = ("centroid", "shear_centre", "origin")
 
@@ -84,6 +87,68 @@ def section_of(
         "warping is free and costs nothing",
     )
     return replace(made, assumptions=said, outline=_outline(section) - at)
+
+
+def polygon(
+    outline: ArrayLike, holes: Sequence[ArrayLike] = (), *, E: float, nu: float | None = None, G: float | None = None,
+    rho: float = 0.0, axis: str | tuple[float, float] = "centroid", mesh: float | None = None,
+    damping: ArrayLike = 0.0,
+) -> Section:  # fmt: skip
+    """A Section by its corners: meshed, and analysed as :func:`section_of` does.
+
+    Parameters
+    ----------
+    outline, holes
+        (k, 2) corners along d1 and d2, of the section and of each of its holes; not closed.
+    E, nu, G, rho
+        The material; ν or G.
+    axis
+        Where the axis of the rod goes through: "centroid", "shear_centre", "origin" or (x, y).
+    mesh
+        Largest area of a triangle; a 400th of the section, or less where walls are thin, unless given.
+    damping
+        As in :class:`directrix.Section`.
+
+    Raises ModelError when `sectionproperties` is missing, for corners that bound no area, and a mesh of more than
+    100 000 triangles.
+    """
+    from directrix.geometry.pieces import extra
+
+    extra("sectionproperties", "a section by its corners")
+    from sectionproperties.analysis import Section as Analysed
+    from sectionproperties.pre import Geometry
+    from shapely import Polygon, is_valid_reason
+
+    rings = [_corners(ring, what) for ring, what in ((outline, "outline"), *((hole, "hole") for hole in holes))]
+    young = number(E, "E", above=0.0)
+    if (nu is None) == (G is None):
+        raise ModelError("a material needs nu or G, one of them", "give nu= (G = E/2(1+ν)) or G=")
+    ratio = number(nu, "nu") if nu is not None else young / (2.0 * number(G, "G", above=0.0)) - 1.0
+    if nu is not None and not -1.0 < ratio <= 0.5:
+        raise ModelError(f"nu = {nu:g} is not in −1 < ν ≤ 0.5", "give another, or G=")
+    shape = Polygon(rings[0], rings[1:])
+    if not shape.is_valid or shape.area <= 1e-9 * shape.length**2:
+        why = is_valid_reason(shape) if not shape.is_valid else "no area"
+        raise ModelError(
+            f"these corners bound no section: {why[0].lower()}{why[1:]}",
+            "give corners in their order, of sides that do not cross, and holes inside",
+        )
+    thick = 2.0 * shape.area / shape.length
+    size = min(shape.area / 400.0, 0.2 * thick**2) if mesh is None else number(mesh, "mesh", above=0.0)
+    if shape.area / size > LARGEST:
+        raise ModelError(f"that takes {shape.area / size:.2g} triangles", "give a larger mesh=")
+    analysed = Analysed(Geometry(shape).create_mesh([size]))
+    return section_of(analysed, axis=axis, E=young, nu=ratio, rho=rho).damped(damping)
+
+
+def _corners(ring: ArrayLike, what: str) -> Array:
+    try:
+        out = np.asarray(ring, float)
+    except (TypeError, ValueError):
+        out = np.zeros(0)
+    if out.ndim != 2 or out.shape[1] != 2 or not 3 <= len(out) <= 5000 or not np.all(np.isfinite(out)):
+        raise ModelError(f"the {what} has no corners (k, 2)", "give three or more, each as (x, y)")
+    return out
 
 
 def stress(

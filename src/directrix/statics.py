@@ -209,13 +209,15 @@ class _LoadSteps:
     def remember(self) -> dict[str, Any]:
         """All that the next step depends on."""
         own = remember(self, "x", "factor", "kept", "cuts", "reach", "acting", "counts")
-        return {"own": own, "newton": self.newton.remember(), "ledger": self.ledger.remember()}
+        parts = {"newton": self.newton, "ledger": self.ledger, "trail": self.recorder.log.trail}
+        return {"own": own, **{name: part.remember() for name, part in parts.items()}}
 
     def recall(self, memory: dict[str, Any]) -> None:
         """Go on from what :meth:`remember` gave."""
         recall(self, memory["own"])
         self.books = self.newton.recall(memory["newton"])
         self.ledger.recall(memory["ledger"])
+        self.recorder.log.trail.recall(memory["trail"])
 
     def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until load factor 1, or a step that fails at its smallest."""
@@ -235,8 +237,8 @@ class _LoadSteps:
             loads = disc.external(factor, factor)
             newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
-            self.recorder.iterations.append(outcome.iterations)
             failed = outcome.status or folded(newton, self.x)
+            self.recorder.log.tried(newton.trail, solved=failed is None)
             if failed is not None:
                 self.x = before
                 self.reach, self.cuts = 0.5 * (factor - done), self.cuts + 1

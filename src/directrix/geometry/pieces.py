@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from directrix.checks import nearest, number, shown
 from directrix.curves import Arc, Curve, Polyline, Spline
@@ -126,9 +125,15 @@ def assemble(
     return replace(base.add_rods(rods), imported=(*base.imported, *said, *misses))
 
 
+def _tree(points: Array) -> Any:
+    from scipy.spatial import KDTree  # slow to import, and few models need it
+
+    return KDTree(points)
+
+
 def _split(pieces: Sequence[Piece], points: Array, reach: float, said: list[str]) -> list[Piece]:
     """Polylines with an end of another piece on a corner become two rods there."""
-    tree = KDTree(points)
+    tree = _tree(points)
     out: list[Piece] = []
     for piece in pieces:
         curve = piece.curve
@@ -160,7 +165,7 @@ def _nodes(
     """Node of every end, names and places of the nodes."""
     node, names, places = [-1] * len(points), [], []
     known: dict[str, int] = {}
-    tree = KDTree(points) if reach > 0.0 else None
+    tree = _tree(points) if reach > 0.0 else None
     for k, point in enumerate(points):
         name = wanted[k]
         if node[k] < 0 and name in known:
@@ -218,9 +223,9 @@ def _misses(
     out = [
         f"nodes {names[a]!r} and {names[b]!r} are {np.linalg.norm(at[a] - at[b]):.4g} apart and were not joined "
         f"(snap = {reach:.4g})"
-        for a, b in sorted(KDTree(at).query_pairs(NEAR * reach))
+        for a, b in sorted(_tree(at).query_pairs(NEAR * reach))
     ]
-    tree = KDTree(at)
+    tree = _tree(at)
     for k, piece in enumerate(pieces):
         if not isinstance(piece.curve, Polyline):
             continue

@@ -41,6 +41,7 @@ __all__ = [
     "imbalance",
     "move",
     "newton",
+    "off_balance",
     "spread",
 ]
 
@@ -182,11 +183,28 @@ def imbalance(nodes, work, mask, tolerance, floor, length):
 
 
 @compiled
+def off_balance(nodes, work, mask, frozen, row):
+    """Into ``row`` the largest unbalanced force and moment of the ``nodes``, and at [4] the node of that force, of that
+    moment where no force is unbalanced."""
+    row[0], row[1], row[4] = 0.0, 0.0, -1.0
+    for node in range(nodes):
+        for i in range(6):
+            if not mask[node, i] and not (frozen and i > 2):
+                off, at = abs(work.internal[node, i] - work.applied[node, i]), i // 3
+                if not off <= row[at]:
+                    row[at] = off
+                    if at == 0 or row[0] == 0.0:
+                        row[4] = node
+
+
+@compiled
 def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
     whether the positions are solved for by themselves after a large turn, largest displacement per iteration.
+    ``work.trail`` gets a row an iteration, as long as it has room: the largest unbalanced force and moment before it,
+    the largest displacement and turn that it asked for, and the node that is furthest from balance.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
     limit, allowed, cayley = options[4], options[5], options[6] > 0.0
@@ -201,6 +219,8 @@ def newton(tables, work, x, g, external, mask, options, control):
             if bad >= 0:
                 control[BLAME] = tables.element_node[bad]
                 return SINGULAR
+            if control[ITERATION] <= work.trail.shape[0]:
+                off_balance(tables.nodes, work, mask, control[FROZEN] == 1, work.trail[control[ITERATION] - 1])
             control[PHASE] = 1
             if tables.chain == 0:
                 return SOLVE
@@ -211,6 +231,9 @@ def newton(tables, work, x, g, external, mask, options, control):
         control[PHASE] = 0
         frozen = control[FROZEN] == 1
         moved, turned, bad = advance(tables, work, x, frozen, cayley, limit, options[8])
+        if control[ITERATION] <= work.trail.shape[0]:
+            tried = work.trail[control[ITERATION] - 1]
+            tried[2], tried[3] = moved, turned
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE

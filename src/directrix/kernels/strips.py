@@ -29,13 +29,15 @@ from directrix.kernels.strip_elimination import (
     pass_again,
 )
 
-__all__ = ["TANGENTS", "close", "imbalance", "move", "pack", "run", "solve", "unpack"]
+__all__ = ["MOVES", "RESULTS", "SHOWN", "TANGENTS", "close", "imbalance", "move", "pack", "run", "solve", "unpack"]
 
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
-ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS = 0, 1, 2, 5, 8, 16, 17, 18
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS, MOVES = 0, 1, 2, 5, 8, 16, 17, 18, 19
+SHOWN = 12  # iterations of a step whose moves are among its results
+RESULTS = MOVES + 2 * SHOWN
 
 
 @inner
@@ -181,7 +183,7 @@ def _ends(s, first, w, own):
 
 
 @inner
-def _iterate(code, main, rest, g, w, options):
+def _iterate(code, main, rest, g, w, options, row):
     """Newton's iteration; the number of increments, 0 when the general solver has to take the step;
     and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
@@ -199,6 +201,8 @@ def _iterate(code, main, rest, g, w, options):
         moved, turned, finite = solve(code, main, rest, w, frozen, again)
         if not finite:
             return 0, tangents
+        if iteration <= SHOWN:
+            row[MOVES + 2 * iteration - 2], row[MOVES + 2 * iteration - 1] = moved, turned
         w.scale[0] = 1.0 if turned <= limit else limit / turned
         for part in range(2):
             move(code, main if part == 0 else rest, w.scale)
@@ -254,22 +258,23 @@ def close(code, s, g, w):
 
 @compiled
 def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, 19), as long as they converge; how many did.
+    """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
 
     A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality, Σ |support force|², how many iterations had a new tangent. When a step does not converge the state
+    orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
+    iterations. When a step does not converge the state
     is that at its start.
     """
     for k in range(results.shape[0]):
         for part in range(2):
             _keep(main if part == 0 else rest, False)
-        iterations, tangents = _iterate(code, main, rest, g, w, options)
+        row = results[k]
+        _zero(row)
+        iterations, tangents = _iterate(code, main, rest, g, w, options, row)
         if iterations == 0:
             for part in range(2):
                 _keep(main if part == 0 else rest, True)
             return k
-        row = results[k]
-        _zero(row)
         row[ITERATIONS], row[TANGENTS] = iterations, tangents
         _zero(w.sums)
         _zero(w.loss)

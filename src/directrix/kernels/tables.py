@@ -31,7 +31,10 @@ from directrix.scheme import Scheme
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Tables", "Work", "damping_for", "in_lanes", "tables_for", "work_for"]
+ROOM = 256
+"""Iterations of one try that are written down."""
+
+__all__ = ["ROOM", "Tables", "Work", "damping_for", "in_lanes", "tables_for", "work_for"]
 
 
 class Tables(Record):
@@ -87,6 +90,7 @@ class Work(Record):
     done: Array
     joints: Array
     common: Array
+    trail: Array
 
 
 def in_lanes(parameters: Any) -> Any:
@@ -232,4 +236,5 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         done=np.zeros(len(disc.sources.names)),
         joints=np.zeros((n - disc.nodes, 12)),
         common=np.array(scheme.common),
+        trail=np.zeros((ROOM, 5)),
     )

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from directrix.kernels import struts
 from directrix.linear.blocks import Blocks
 from directrix.linear.conformance import LinearSolver
-from directrix.linear.multifrontal import Multifrontal
 from directrix.linear.sparse import BlockSparse
 
 Array = NDArray[np.float64]
@@ -29,9 +28,15 @@ Make = Callable[[Ints, Ints, Ints], LinearSolver]
 
 def usual(threads: int = 1) -> Make:
     """The solvers that need nothing but SciPy."""
-    return lambda rowptr, column, rows: (
-        Multifrontal(rowptr, column, threads) if len(rows) >= MANY else BlockSparse(rowptr, column)
-    )
+
+    def make(rowptr: Ints, column: Ints, rows: Ints) -> LinearSolver:
+        if len(rows) < MANY:
+            return BlockSparse(rowptr, column)
+        from directrix.linear.multifrontal import Multifrontal  # brings scipy.linalg, which few models need
+
+        return Multifrontal(rowptr, column, threads)
+
+    return make
 
 
 class Condensed:

@@ -21,6 +21,7 @@ TAKES: Mapping[str, tuple[str, ...]] = {
     "path": ("node", "component", "others"),
     "branches": ("node", "component", "others"),
     "newton": ("others",),
+    "convergence": ("component",),
 }
 NAMES = {"s": "--s", "others": "--beside"}
 
@@ -53,6 +54,8 @@ def options_of(picture: str, given: Mapping[str, Any], result: Result) -> tuple[
             out |= {key: given[name] for key, name in (("rods", "rod"), ("components", "component")) if name in given}
         case "diagram" if "component" in given:
             out["component"] = given["component"]
+        case "convergence":
+            out["of"] = given.get("component")
         case "path" | "branches":
             out |= {"node": _of(picture, given, result, needed=True), "component": given.get("component", "y")}
             if picture == "branches" and "others" in given:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix import drawing as draw
-from directrix.checks import choice, shown
+from directrix.checks import choice, shown, whole
 from directrix.errors import ModelError
 from directrix.pictures.curves import Others, several
 from directrix.quantities import Of, labelled, series
@@ -19,7 +19,15 @@ from directrix.result import Result
 Array = NDArray[np.float64]
 Value = Callable[[Result], Any]
 
-__all__ = ["newton", "refinement", "slope"]
+__all__ = ["convergence", "newton", "refinement", "slope"]
+
+TRIED = {
+    "turn": (3, "largest turn asked for", "rad"),
+    "displacement": (2, "largest displacement asked for", "length"),
+    "moment": (1, "largest unbalanced moment", "force·length"),
+    "force": (0, "largest unbalanced force", "force"),
+}
+"""Column of the rows of a try, words, dimension."""
 
 
 def newton(result: Result, others: Others, ax: Any) -> Any:
@@ -41,6 +49,48 @@ def newton(result: Result, others: Others, ax: Any) -> Any:
     draw.finish(pen, "Newton iterations", result.name, below=ax is None)
     pen.set_xlabel("step")
     return pen
+
+
+def convergence(result: Result, of: str | None, tries: int, ax: Any) -> Any:
+    """See :meth:`directrix.plot.Plots.convergence`."""
+    trail, count = result.trail, whole(tries, "tries", 1)
+    named = list(TRIED) if of is None else [choice(of, "of", TRIED)]
+    parts = [(k, trail.of(k)) for k in range(max(0, len(trail.step) - count), len(trail.step))]
+    of = next((name for name in named if any(_known(rows, name).any() for _, rows in parts)), None)
+    if of is None:
+        raise ModelError(
+            "nothing is known of the iterations of these steps",
+            "steps of a chain that are taken many a call tell displacement and turn alone; older files tell nothing",
+        )
+    column, label, dimension = TRIED[of]
+    pen = draw.curves(result, ax)
+    for k, rows in parts:
+        late = (k - parts[0][0] + 1) / len(parts)
+        known = _known(rows, of)
+        color = draw.BLUE if trail.solved[k] else draw.ORANGE
+        pen.semilogy(np.flatnonzero(known) + 1, rows[known, column], color=color, alpha=0.25 + 0.75 * late, lw=1.3,
+                     marker="o", ms=3)  # fmt: skip
+    for color, solved, label_ in ((draw.BLUE, True, "solved"), (draw.ORANGE, False, "not solved")):
+        tried = [k for k, _ in parts if trail.solved[k] == solved]
+        if tried:
+            first, last = trail.step[tried[0]] + 1, trail.step[tried[-1]] + 1
+            steps = f"step {last}" if first == last else f"steps {first} to {last}"
+            pen.plot([], [], color=color, marker="o", ms=3, lw=1.3, label=f"{steps}, {label_}")
+    from matplotlib.ticker import MaxNLocator
+
+    pen.xaxis.set_major_locator(MaxNLocator(integer=True))
+    node = int(parts[-1][1][-1, 4]) if len(parts[-1][1]) and not trail.solved[parts[-1][0]] else -1
+    if node >= 0:
+        pen.plot([], [], ls="", label=f"last furthest from balance at {draw.plain(result.mesh.label(node))}")
+    draw.finish(pen, labelled(result, label, dimension), result.name, below=ax is None)
+    pen.set_xlabel("iteration")
+    return pen
+
+
+def _known(rows: Array, of: str) -> NDArray[np.bool_]:
+    """Where there is something to draw on a logarithmic scale."""
+    values = rows[:, TRIED[of][0]]
+    return np.isfinite(values) & (values > 0.0)
 
 
 def refinement(

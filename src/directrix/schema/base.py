@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
+from itertools import pairwise
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 from directrix.schema.units import Dim
 
@@ -92,9 +97,35 @@ Places = Annotated[tuple[Place, ...], Field(strict=False, min_length=2)]
 class Strict(BaseModel):
     """A table: unknown keys, texts for numbers, truth values for numbers, NaN and inf are refused."""
 
-    model_config = ConfigDict(
-        extra="forbid", strict=True, frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """With what stands below the attributes: read here, as only the schema needs it and reading takes its time."""
+        schema = handler(core)
+        properties = handler.resolve_ref_schema(schema).get("properties", {})
+        below = _below_attributes(cls)
+        for name, field in cls.model_fields.items():
+            if name in below:
+                properties[field.alias or name].setdefault("description", below[name])
+        return schema
+
+
+def _below_attributes(table: type[BaseModel]) -> dict[str, str]:
+    """The text below each attribute of a class, and of those that it comes from."""
+    found: dict[str, str] = {}
+    for one in reversed(table.__mro__):
+        if one is BaseModel or not issubclass(one, BaseModel):
+            continue
+        (body,) = ast.parse(textwrap.dedent(inspect.getsource(one))).body
+        assert isinstance(body, ast.ClassDef)
+        for line, below in pairwise(body.body):
+            match line, below:
+                case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
+                    found[name] = inspect.cleandoc(text)
+                case _:
+                    pass
+    return found
 
 
 def refuse(sentence: str, fix: str, *at: str | int, code: str = "DX217") -> PydanticCustomError:

@@ -178,6 +178,8 @@ def _as_it_is(table: sec.Plain) -> Section:
             return Section.rectangle(**given)
         case sec.Tube():
             return Section.tube(**given)
+        case sec.Polygon():
+            return Section.polygon(**given)
         case sec.StiffeningBending() | sec.TensionOnly():
             moduli = {key: given[key] for key in ("EA", "GA1", "GA2", "EI1", "EI2", "GJ")}
             if isinstance(table, sec.TensionOnly):

@@ -98,10 +98,11 @@ def _totals(disc: Discretisation) -> Iterator[str]:
     yield f"  from {_vector(low)} to {_vector(high)}"
     counts = {
         "support": len(model.supports), "prescribed motion": len(model.prescribed), "joint": len(model.joints),
-        "link": len(model.links), "bodies": len(model.bodies), "load": len(model.loads),
+        "link": len(model.links), "body": len(model.bodies), "load": len(model.loads),
         "contact": len(model.contacts) + len(model.rod_contacts),
     }  # fmt: skip
-    yield "  " + ", ".join(f"{n} {k}{'s' * (n != 1 and k[-1] != 's')}" for k, n in counts.items() if n)
+    many = {"body": "bodies"}
+    yield "  " + ", ".join(f"{n} {k if n == 1 else many.get(k, f'{k}s')}" for k, n in counts.items() if n)
 
 
 def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:

@@ -91,6 +91,14 @@ class Drawing(Read):
     """Which to read; those with a section unless given."""
 
 
+class Graph(Read):
+    """A graph of networkx: nodes with places, edges that become rods."""
+
+    kind: Literal["graph"]
+    section: Name | dict[Name, Name] | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
+    """A section of this case for edges that name none, or sections for the names that edges have."""
+
+
 class BeamDyn(Strict):
     """A blade of BeamDyn: one rod with its own sections."""
 
@@ -180,7 +188,7 @@ class Weave(Rule):
 
 
 AnyGeometry = Annotated[
-    MeshFile | Drawing | BeamDyn | Grid | Lattice | Ring | Spring | Weave, Field(discriminator="kind")
+    MeshFile | Drawing | Graph | BeamDyn | Grid | Lattice | Ring | Spring | Weave, Field(discriminator="kind")
 ]
 
 
@@ -188,7 +196,7 @@ def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: 
     """The model with the rods of a table; files are looked for in ``folder``. Raises ModelError."""
     from directrix import generate
     from directrix.blades import beamdyn
-    from directrix.geometry import from_dxf, from_mesh
+    from directrix.geometry import from_dxf, from_graph, from_mesh
 
     given: dict[str, Any] = table.model_dump(exclude={"kind"}, exclude_unset=True)
     for key in ("section", "weft"):
@@ -201,6 +209,12 @@ def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: 
                 return from_mesh(path, model=model, **given)
             case Drawing():
                 return from_dxf(path, model=model, **given)
+            case Graph():
+                own = given.pop("section", None)
+                named = {**sections, **own} if isinstance(own, dict) else dict[Any, Section](sections)
+                if isinstance(own, Section):
+                    named[None] = own  # of edges that name none
+                return from_graph(path, section=named, model=model, **given)
             case _:
                 if "blade" in given:
                     given["blade"] = folder / given["blade"]

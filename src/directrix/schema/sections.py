@@ -33,6 +33,7 @@ __all__ = [
     "Matrix",
     "Moduli",
     "Plain",
+    "Polygon",
     "Profile",
     "Properties",
     "Rectangle",
@@ -159,6 +160,21 @@ class Profile(Material):
         return 1e-3 / info.context["units"].length if value is None and info.context else value
 
 
+class Polygon(Material):
+    """Any shape by its corners; needs the extra `sections`."""
+
+    kind: Literal["polygon"]
+    outline: Annotated[tuple[Lengths2, ...], Field(strict=False, min_length=3, max_length=5000)]
+    """Corners along d1 and d2, in their order."""
+    holes: Annotated[tuple[Annotated[tuple[Lengths2, ...], Field(strict=False, min_length=3, max_length=5000)], ...],
+                     Field(strict=False, max_length=100)] = ()  # fmt: skip
+    """Corners of each hole."""
+    axis: Literal["centroid", "shear_centre", "origin"] | Lengths2 = "centroid"
+    """Where the axis of the rod goes through."""
+    mesh: Annotated[Positive, AREA] | None = None
+    """Largest area of a triangle; a 400th of the section, or less where walls are thin, unless given."""
+
+
 class Taper(Strict):
     """A section that varies along a rod, linear between other sections of this case."""
 
@@ -243,8 +259,5 @@ class Matrix(Damped):
     """∫ρ ξα dA, first moments of mass."""
 
 
-Plain = Circle | Rectangle | Tube | Profile | Properties | Moduli | StiffeningBending | TensionOnly | Matrix
-Section = Annotated[
-    Circle | Rectangle | Tube | Profile | Properties | Moduli | StiffeningBending | TensionOnly | Matrix | Taper,
-    Field(discriminator="kind"),
-]
+Plain = Circle | Rectangle | Tube | Profile | Polygon | Properties | Moduli | StiffeningBending | TensionOnly | Matrix
+Section = Annotated[Plain | Taper, Field(discriminator="kind")]

@@ -34,6 +34,7 @@ from directrix.keeping import disk
 from directrix.marks import mark_from
 from directrix.result import Energy, Mesh, Momentum, Result, RodMesh, Status, TurningPoint
 from directrix.storage.fields import cell_data, field_data, lines, one_after_the_other, point_data, points_of
+from directrix.trail import Iterations
 
 Array = NDArray[np.float64]
 
@@ -236,6 +237,9 @@ def _write_result(root: h5py.Group, result: Result) -> None:
             if not key.name.endswith("by_source"):
                 _put(group, key.name, getattr(value, key.name))
 
+    group = root.create_group("trail")
+    for name, values in vars(result.trail).items():
+        _put(group, name, values)
     if result.stability is not None:
         _write_stability(root.create_group("stability"), result.stability)
 
@@ -300,6 +304,7 @@ def _read_result(root: Any) -> Result:
         audit=Audit(**audit),
         info=text("info"),
         # a file from before there were any has none
+        trail=Iterations(**{name: data[()] for name, data in root["trail"].items()} if "trail" in root else {}),
         turning_points=tuple(TurningPoint(**p) for p in text("turning_points")) if "turning_points" in root else (),
         stability=_read_stability(root["stability"]) if "stability" in root else None,
     )
