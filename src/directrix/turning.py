@@ -62,7 +62,8 @@ def _worst(disc: Discretisation, x: Array) -> tuple[float, int]:
     and one of the two."""
     pairs = [np.stack([g.conn[:, :-1], g.conn[:, 1:]], -1).reshape(-1, 2) for g in disc.groups if g.owners]
     ends = np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
-    ends = ends[~disc.fixed[:, 3:].all(axis=1)[ends].all(axis=1)]
+    free = ~disc.fixed[:, 3:6]
+    ends = ends[np.any(free[ends], axis=(1, 2))]
     if not len(ends):
         return 0.0, 0
     a, b = ends.T
