@@ -28,7 +28,7 @@ def within_reach(newton: Newton, x: Array, done: float, goal: float, least: floa
     """``goal``, or a load factor nearer to ``done``, where ``x`` is, up to which no support turns an element to SOFT;
     not nearer than ``least``."""
     disc = newton.disc
-    if isinstance(newton.scheme.element, DirectorStep) and any(turn is not None for _, _, turn in disc.prescribed):
+    if _concerned(newton):
         step = float(np.clip(SOFT - _worst(disc, x)[0], *STEP))
         while goal - done > least and _turn(disc, done, goal) > step:
             goal = 0.5 * (done + goal)
@@ -36,8 +36,9 @@ def within_reach(newton: Newton, x: Array, done: float, goal: float, least: floa
 
 
 def folded(newton: Newton, x: Array) -> Status | None:
-    """What speaks against the equilibrium ``x``: an element that is turned by a right angle between its nodes."""
-    if not isinstance(newton.scheme.element, DirectorStep):
+    """What speaks against the equilibrium ``x``: an element that is turned by a right angle between its nodes, and was
+    free not to be."""
+    if not _concerned(newton):
         return None
     angle, node = _worst(newton.disc, x)
     if angle < FOLDED:
@@ -50,12 +51,22 @@ def folded(newton: Newton, x: Array) -> Status | None:
     )
 
 
+def _concerned(newton: Newton) -> bool:
+    """True where supports turn, and directors are interpolated."""
+    turns = any(turn is not None for _, _, turn in newton.disc.prescribed)
+    return turns and isinstance(newton.scheme.element, DirectorStep)
+
+
 def _worst(disc: Discretisation, x: Array) -> tuple[float, int]:
-    """Largest angle [rad] between neighbouring nodes of an element, counted from the reference, and one of the two."""
+    """Largest angle [rad] between neighbouring nodes of an element that are not both held, counted from the reference,
+    and one of the two."""
     pairs = [np.stack([g.conn[:, :-1], g.conn[:, 1:]], -1).reshape(-1, 2) for g in disc.groups if g.owners]
-    if not pairs:
+    ends = np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
+    free = ~disc.fixed[:, 3:6]
+    ends = ends[np.any(free[ends], axis=(1, 2))]
+    if not len(ends):
         return 0.0, 0
-    a, b = np.concatenate(pairs).T
+    a, b = ends.T
     dots = np.einsum("ni,ni->n", x[a, 3:12], x[b, 3:12])
     worst = int(np.argmin(dots))
     return turn_of(float(dots[worst])), int(a[worst])
