@@ -9,7 +9,9 @@ from typing import Any
 import test_attachments
 import test_contact
 import test_driven
+import test_form_finding
 import test_joints
+from kept_loads import every_load
 
 import directrix as dx
 from directrix.schema import load_case
@@ -81,6 +83,20 @@ def hinged() -> dx.Model:
     return test_joints.joined("hinge", stiffness=3.0).clamp("A").clamp("D").force("B", (0, 0, 20.0))
 
 
+def upright() -> dx.Model:
+    """A straight rod under more than its buckling load: an equilibrium that is not stable is found first, and left."""
+    model = dx.Model(name="upright").rod(dx.line((0, 0, 0), (0, 0, 1)), RUBBER, name="a", ends=("a", "b"), elements=6)
+    return model.clamp("a").force("b", (0, 0, -3.0))
+
+
+def pushed_column(stiff: float) -> dx.Model:
+    """A column that buckles under its load when its bending stiffness falls."""
+    section = dx.Section.from_moduli(EA=1e4, GA1=1e4, GA2=1e4, EI1=stiff, EI2=2.0 * stiff, GJ=1.0)
+    model = dx.Model(name="column").rod(dx.line((0, 0, 0), (1, 0, 0)), section, name="a", ends=("a", "b"), elements=4)
+    model = model.spring("b", (1.0, 0.3, 0.0), 3.0 * stiff, length=0.3)
+    return model.clamp("a").force("b", (-2.0, 0.01, 0.0))
+
+
 def simulated(model: dx.Model, dt: float, steps: int, **options: Any) -> Solve:
     return partial(dx.simulate, model, steps * dt, dt, **options)
 
@@ -94,15 +110,21 @@ FEW: dict[str, Solve] = {
     ),
     "load control": partial(dx.solve_static, bent(), 12, save_every=5),
     "steps that adapt": partial(
-        dx.simulate, flying(), 0.5, dx.Adaptive(tolerance=1e-4, first=0.01), integrator=dx.GeneralizedAlpha(0.8),
+        dx.simulate, flying(), 0.1, dx.Adaptive(tolerance=1e-4, first=0.01), integrator=dx.GeneralizedAlpha(0.8),
         save_every=3,
+    ),
+    "a family of models": partial(
+        dx.continuation, pushed_column, 1.0, control=dx.ArcLength(ds=0.05, load_step=0.05, direction="backward",
+        max_steps=16, branch=1), save_every=2,
     ),
 }  # fmt: skip
 
 
 def every() -> dict[str, Solve]:
     """All of them."""
-    found = dict(FEW)
+    found = FEW | every_load()
+    found["a form that is found"] = partial(dx.form_find, test_form_finding.cable())
+    found["a form that is left"] = partial(dx.form_find, upright())
     for name, integrator in INTEGRATORS.items():
         found[name] = simulated(flying(), 0.01, 30, integrator=integrator, save_every=4)
     for kind in (*test_joints.AXES, "spherical", "rigid"):
@@ -123,6 +145,9 @@ def every() -> dict[str, Solve]:
         ),
         "a displacement": partial(
             dx.solve_static, column(), control=dx.DisplacementControl("P", "y", to=-20.0, steps=12), save_every=2
+        ),
+        "a path with an end": partial(
+            dx.solve_static, column(), control=dx.ArcLength(ds=2.0, until=lambda s: s.node("P").displacement[1] < -30.0)
         ),
         "Simo and Vu-Quoc": partial(dx.solve_static, bent(), 12, formulation=dx.SimoVuQuoc(), save_every=5),
         "Crisfield and Jelenic": partial(dx.solve_static, bent(), 12, formulation=dx.CrisfieldJelenic()),

@@ -210,6 +210,15 @@ def test_an_arm_on_a_drum_is_propped() -> None:
     assert found[1] / found[0] == pytest.approx((3.92660 / 1.87510) ** 2, rel=0.03)
 
 
+def test_a_rod_on_the_axis_of_a_pipe_falls_to_its_wall() -> None:
+    """On the axis there is no direction to the wall, and no force: no reason not to begin there."""
+    model = dx.Model().rod(dx.line((0, 0, 0), (1, 0, 0)), SECTION, name="rod", ends=("a", "b"), elements=4, order=1)
+    pipe = dx.Cylinder((0, 0, 0), (1, 0, 0), 0.2, inside=True)
+    model = model.gravity((0, 0, -G)).contact(pipe, stiffness=2e5, friction=0.2, slip_speed=0.01, name="wall")
+    result = dx.simulate(model, t_end=0.4, dt=0.002)
+    assert closes(result) and result.contact("wall").force.max() > 100.0
+
+
 def crossing(order: int, gap: float = 0.1, **contact: float) -> dx.Model:
     """Two rods in free flight that meet at an angle."""
     names = {f"b{k}": k / 6 for k in range(1, 6)}

@@ -7,6 +7,8 @@ import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,6 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kept_loads import IN_JOINTS, ON_THE_ARM
 from kept_runs import FEW, Solve, every, flying
 from typer.testing import CliRunner
 
@@ -28,6 +31,7 @@ from directrix.keeping.store import Store
 ALL = every()
 KILLS = int(os.environ.get("DIRECTRIX_KILLS", "1"))
 """Of every model; more of them in CI, 200 in all among the long checks."""
+END = -1
 bent = FEW["load control"]
 
 
@@ -38,21 +42,25 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def frozen_at(
-    solve: Solve, steps: Callable[[int], bool], folder: Path, monkeypatch: pytest.MonkeyPatch, every: int = 1
+    solve: Solve, steps: Callable[[int], bool], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[bytes, dict[int, Path]]:
-    """The file that a run ends with, and its folder as it was after some steps."""
+    """The file that a run ends with, and its folder as it was when it had checkpoints after some ``steps`` and, without
+    the file, at its end."""
     copies: dict[int, Path] = {}
     keep = Keeper.keep
 
     def copying(self: Keeper, taken: int, t: float, memory: Mapping[str, Any], *, done: bool = False) -> None:
         keep(self, taken, t, memory, done=done)
-        if not done and steps(taken):
+        if self.folder is not None:
+            taken = END if done else taken
             copies[taken] = folder / f"after {taken}"
             shutil.copytree(folder / "run", copies[taken])
 
     with monkeypatch.context() as patched:
         patched.setattr(Keeper, "keep", copying)
-        solve(folder=dx.Folder(folder / "run", steps=every))
+        patched.setattr(Keeper, "due", lambda self, taken: self.folder is not None and taken > self.at and steps(taken))
+        patched.setattr(Keeper, "room", lambda self, taken: 1)
+        solve(folder=folder / "run")
     return (folder / "run" / "result.vtkhdf").read_bytes(), copies
 
 
@@ -61,22 +69,32 @@ def gone_on(solve: Solve, folder: Path) -> bytes:
     return (folder / "result.vtkhdf").read_bytes()
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", [*FEW, "a form that is left"])
 def test_a_run_goes_on_to_the_same_file(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, copies = frozen_at(FEW[name], lambda n: n in (5, 15), tmp_path, monkeypatch, 5)
-    assert copies
+    whole, copies = frozen_at(ALL[name], lambda n: n in (5, 15), tmp_path, monkeypatch)
+    assert END in copies and len(copies) > 1
     for copy in copies.values():
-        assert gone_on(FEW[name], copy) == whole
+        assert gone_on(ALL[name], copy) == whole
+
+
+def test_there_is_a_run_with_everything_that_acts() -> None:
+    made = {name: getattr(what, "__annotations__", {}).get("return") for name, what in vars(dx.Model).items()}
+    known = {name for name, what in made.items() if what == "Self" and not name.startswith("_")}
+    describes = {"rod", "add_rods", "node", "split", "named", "velocity", "rigid_velocity"}
+    acts = {name.split(",")[0] for name in (*ON_THE_ARM, *IN_JOINTS)}
+    assert acts == known - describes
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_every_run_goes_on_from_any_step(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    random = Random(name)
-    whole, copies = frozen_at(ALL[name], lambda n: True, tmp_path, monkeypatch)
-    assert len(copies) >= 2
-    chosen = random.sample(sorted(copies), min(20, len(copies)))
-    assert [n for n in chosen if gone_on(ALL[name], copies[n]) != whole] == []
+    seen: list[int] = []
+    frozen_at(ALL[name], lambda n: bool(seen.append(n)), tmp_path / "first", monkeypatch)
+    chosen = Random(name).sample(seen, min(20, len(seen)))
+    whole, copies = frozen_at(ALL[name], lambda n: n in chosen, tmp_path / "second", monkeypatch)
+    assert len(chosen) >= 2 and set(chosen) == copies.keys() - {END}
+    assert (END in copies) == dx.load(tmp_path / "second" / "run" / "result.vtkhdf").success
+    assert [n for n, copy in copies.items() if gone_on(ALL[name], copy) != whole] == []
 
 
 def kill(solve: Solve, folder: Path, delay: float) -> bool:
@@ -129,14 +147,14 @@ class Faulty:
     """The calls of the disk, counted; from number ``first`` on, ``many`` of them fail."""
 
     def __init__(self, patched: pytest.MonkeyPatch, first: int = 10**9, many: int = 1) -> None:
-        self.first, self.many, self.calls = first, many, list[str]()
+        self.first, self.many, self.calls, self.number = first, many, list[str](), errno.ENOSPC
         for name in ("write", "flush", "sync", "replace"):
             patched.setattr(disk, name, partial(self.call, name, getattr(disk, name)))
 
     def call(self, name: str, does: Callable[..., Any], *args: Any) -> Any:
         self.calls.append(name)
         if self.first < len(self.calls) <= self.first + self.many:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            raise OSError(self.number, os.strerror(self.number))
         return does(*args)
 
 
@@ -191,6 +209,39 @@ def test_after_any_fault_there_is_something_to_go_on_from(tmp_path: Path, monkey
     assert survived(tmp_path, monkeypatch, 1) > 60
 
 
+@pytest.mark.parametrize(
+    ("number", "says", "fix"),
+    [
+        (errno.ENOSPC, r"No space left on device; [\d.e+-]+ MB are needed, [\d.e+-]+ (MB|GB) are free", "make room"),
+        (errno.EDQUOT, r"quota exceeded; [\d.e+-]+ MB are needed", "make room"),
+        (errno.EROFS, "Read-only file system", "make the disk writable"),
+        (errno.EACCES, "Permission denied", "check free space and permissions"),
+    ],
+)
+def test_a_disk_that_takes_nothing_more_is_said(
+    number: int, says: str, fix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patched:
+        faulty = Faulty(patched, 10**9, 10**9)
+        faulty.number = number
+        keep, left = Store.keep, [2]
+
+        def until_full(self: Store, serial: int, values: Mapping[str, Any]) -> int:
+            left[0] -= 1
+            if left[0] == 0:
+                faulty.first = len(faulty.calls)
+            return keep(self, serial, values)
+
+        patched.setattr(Store, "keep", until_full)
+        with pytest.raises(dx.InputError, match=says) as error:
+            swing(folder=dx.Folder(tmp_path / "run", steps=1))
+    assert error.value.fix.startswith(f"{fix}") and "then go on from the last checkpoint with: " in error.value.fix
+    assert f"dx.Folder({str(tmp_path / 'run')!r}, resume=True)" in error.value.fix
+    newest = Store(tmp_path / "run").newest()
+    assert newest is not None and newest["serial"] == 1
+    assert gone_on(swing, tmp_path / "run")
+
+
 @pytest.mark.parametrize("name", FEW)
 def test_what_is_kept_and_watched_changes_nothing(name: str, tmp_path: Path) -> None:
     often = FEW[name](save_every=1)
@@ -199,7 +250,10 @@ def test_what_is_kept_and_watched_changes_nothing(name: str, tmp_path: Path) -> 
     assert often.audit == rarely.audit == again.audit
     np.testing.assert_array_equal(often.iterations, rarely.iterations)
     at = np.searchsorted(often.t, rarely.t) if often.t[-1] == often.t.max() else np.array([0, len(often.t) - 1])
-    if name == "a path":  # where the load factor turns back, instants are told apart by their place
+    if name in (
+        "a path",
+        "a family of models",
+    ):  # where the load factor turns back, instants are told apart by their place
         at = np.array([int(np.flatnonzero(often.t == t)[0]) for t in rarely.t])
     for field in ("t", "r", "R", "v", "Rdot", "strain", "force", "reaction", "joints", "history"):
         a, b, c = (getattr(run, field) for run in (often, rarely, again))
@@ -291,6 +345,64 @@ def test_a_signal_ends_a_run_that_can_be_gone_on_with(
     assert (folder / "monitor.csv").read_bytes() == (whole / "monitor.csv").read_bytes()
     code, said = command("resume", folder, *BLIND)
     assert code == 2 and "has finished" in said and "--until" in said
+
+
+LONG_STEP = """
+import sys, time
+from directrix import cli, dynamics
+
+shown, left = dynamics._line, [7]
+
+def slow(*args):
+    left[0] -= 1
+    if left[0] == 0:
+        print("in a step", flush=True)
+        for _ in range(3000):
+            time.sleep(0.01)
+    return shown(*args)
+
+dynamics._line = slow
+cli.main()
+"""
+"""The command line, with one step that takes half a minute."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_ends_a_process_at_once(case: Path, number: signal.Signals) -> None:
+    assert command("run", case, *BLIND, "--out", case.parent / "whole")[0] == 0
+    with subprocess.Popen(
+        [sys.executable, "-c", LONG_STEP, "run", str(case), *BLIND], stdout=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stdout is not None and run.stdout.readline() == "in a step\n"
+        run.send_signal(number)
+        with pytest.raises(subprocess.TimeoutExpired):
+            run.wait(0.3)  # it finishes its step
+        run.send_signal(number)
+        assert run.wait(10) == -number
+    folder = case.with_suffix(".run")
+    assert not (folder / "result.vtkhdf").exists() and "last checkpoint at 0.04" in command("info", folder)[1]
+    assert command("resume", folder, *BLIND)[0] == 0
+    assert (folder / "result.vtkhdf").read_bytes() == (case.parent / "whole" / "result.vtkhdf").read_bytes()
+
+
+def test_a_path_that_was_killed_goes_on(tmp_path: Path) -> None:
+    case = tmp_path / "path.toml"
+    known = (Path(__file__).parent / "good_cases" / "path.toml").read_text()
+    small = known.replace("ds = 2", "ds = 0.1")
+    assert small != known
+    case.write_text(small + "[output]\ncheckpoint_steps = 1\n")
+    assert command("run", case, *BLIND, "--out", tmp_path / "whole")[0] == 0
+    folder = tmp_path / "path.run"
+    with subprocess.Popen([sys.executable, "-m", "directrix", "run", str(case), *BLIND]) as run:
+        while not Store(folder).segment(3).exists() and run.poll() is None:
+            time.sleep(0.001)
+        run.kill()
+        assert run.wait() == -signal.SIGKILL
+    assert json.loads((folder / "run.json").read_text())["status"]["code"] == "running"
+    code, said = command("resume", folder, *BLIND)
+    assert code == 0 and "begins anew" not in said
+    for name in ("result.vtkhdf", "monitor.csv"):
+        assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
 def test_what_is_recorded_and_how_steps_adapt_go_on_too(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:

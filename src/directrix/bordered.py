@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Row = Callable[[Array], tuple[Array, float]]
 """x (rows, 40) → (c (n, 6), gap): the row of the control at a state whose Δr and R0 are those of the step's start."""
 
-__all__ = ["Bordered", "Corrected", "Row", "dot", "normal_to", "travelled"]
+__all__ = ["Bordered", "Corrected", "Row", "around", "dot", "normal_to", "travelled"]
 
 BLIND = 1e-12  # |cos| of the angle between the row and the path below which the row does not fix a point of it
 
@@ -144,7 +144,7 @@ class Bordered:
         if h != 1.0:
             rhs[1], inside[1] = (a[0] + (a[1] - a[0]) / h for a in (rhs, inside))
         rhs[1][self.held] = self._support_rate(factor)[self.held]
-        low, high = _around(factor)
+        low, high = around(factor)
         for joint, value in self.disc.driven:
             row = self.disc.pattern.row[self.disc.nodes + joint]
             rhs[1][row, KINDS[self.disc.model.joints[joint].kind].driven] += (value(high) - value(low)) / (high - low)
@@ -185,14 +185,14 @@ class Bordered:
             return out
         rate = disc.external(factor, 1.0) - disc.external(factor, 0.0)
         if any(load.varies for load in disc.loads):
-            low, high = _around(factor)
+            low, high = around(factor)
             rate += (disc.external(high, factor) - disc.external(low, factor)) / (high - low)
         return rate
 
     def _support_rate(self, factor: float) -> Array:
         """Displacement and spin (rows, 6) of the supports for one load factor more."""
         rate = np.zeros(self.held.shape)
-        low, high = _around(factor)
+        low, high = around(factor)
         family, disc = self.newton.family, self.disc
         if family is not None:
             disc = family.at(factor)
@@ -216,7 +216,7 @@ class Bordered:
         return Status("singular", "what drives the path does not move along it.", "Drive it by another displacement.")
 
 
-def _around(factor: float) -> tuple[float, float]:
+def around(factor: float) -> tuple[float, float]:
     """Where functions of the load factor are asked for their slope; not below 0 while the factor is not."""
     h = 1e-5 * max(1.0, abs(factor))
     return (factor if 0.0 <= factor < h else factor - h), factor + h

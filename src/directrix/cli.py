@@ -616,14 +616,15 @@ def asks() -> bool:
 
 def _load(path: Path) -> tuple[Result, Path]:
     """A result file, or the one in the folder of a run."""
-    from directrix.keeping.folder import how_far, summary_of
+    from directrix.keeping.folder import how_far, summary_of, typed
     from directrix.keeping.store import resume_command
     from directrix.runs import RESULT
     from directrix.storage import load
 
     said = summary_of(path) if path.is_dir() else None
     if said is not None and said["status"]["code"] == "running":  # a result that is there is that of an earlier run
-        raise InputError(f"holds a run that has not finished: {how_far(path, said)}", resume_command(path), str(path))
+        how = resume_command(path, typed(said))
+        raise InputError(f"holds a run that has not finished: {how_far(path, said)}", f"go on with: {how}", str(path))
     file = path / RESULT if path.is_dir() else path
     if not file.is_file():
         raise InputError("there is no such result", "name a .vtkhdf file or the folder that run wrote", str(file))

@@ -26,7 +26,7 @@ from directrix.parts import Keep, Parts
 from directrix.recorder import Progress, Recorder, feed_of
 from directrix.result import Result, Status
 from directrix.scheme import Rates
-from directrix.state import has_history, initial_state, place_supports
+from directrix.state import has_history, initial_state, place_supports, stand
 from directrix.statics import PATIENCE
 from directrix.stepping import Adaptive, Beat, Fixed, Stepping, stepping, way
 from directrix.telling import line
@@ -121,6 +121,7 @@ def simulate(
     newton.driver.place(t0, 1.0)
     newton.driver.shift()
     place_supports(disc, x, t0)
+    stand(x, disc.nodes)  # supports that begin elsewhere are there: no step took them, and none does its work
     refuse_joints(newton, x, fresh=start is None or start.kind == "static")
     refuse(without_inertia(newton, x))
     external = disc.external(t0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from directrix.checks import number, reporting, shown, whole
 from directrix.dynamics import simulate
 from directrix.errors import ModelError
+from directrix.keeping import Folder, Many
 from directrix.model import Model
 from directrix.recorder import Progress
 from directrix.result import Result
@@ -21,6 +23,7 @@ from directrix.result import Result
 Array = NDArray[np.float64]
 Build = Callable[[Any], Model]
 Outcome = tuple[Hashable, Result | None, str]
+Member = tuple[Hashable, Any, Folder | None]
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -90,6 +93,7 @@ def ensemble(
     build: Build | None = None,
     executor: Executor | None = None,
     batch: int | None = None,
+    folder: Folder | str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
     **options: Any,
 ) -> Ensemble:
@@ -108,20 +112,26 @@ def ensemble(
         and Dask offer. Without one the members run here, one after the other. No bit of what each computes changes.
     batch
         Members to a task; by default so many that a task takes about 0.1 s.
+    folder
+        Where the members are kept, each in a folder with the name of its label: a path, or
+        ``dx.Folder(path, resume=True)``, which takes those that are done from there, goes on with those that are not
+        and runs those that are new.
     progress
         Called after every batch with the fraction done and a line of text. What it raises ends the run, which is kept.
 
     Raises
     ------
     ModelError
-        An argument cannot be right, or the members cannot be sent to where the executor runs. A member that cannot be
-        right is a failure of that member only.
+        An argument or the folder cannot be right, or the members cannot be sent to where the executor runs. A member
+        that cannot be right is a failure of that member only.
     """
     labelled = _labelled(members, build)
     number(t_end, "t_end")
     number(dt, "dt", above=0.0)
     size = _batch(labelled, build, t_end / dt) if batch is None else whole(batch, "batch", 1, 10**9)
-    tasks = [labelled[k : k + size] for k in range(0, len(labelled), size)]
+    many = None if folder is None else Many.claim(folder, [label for label, _ in labelled], "members")
+    placed: list[Member] = [(label, member, None if many is None else many.of(label)) for label, member in labelled]
+    tasks = [placed[k : k + size] for k in range(0, len(placed), size)]
     settings = {"t_end": t_end, "dt": dt, **options}
     found: dict[Hashable, tuple[Result | None, str]] = {}
     report = reporting(progress)
@@ -129,15 +139,21 @@ def ensemble(
     try:
         for outcomes in _run(tasks, build, settings, executor):
             found.update({label: (result, sentence) for label, result, sentence in outcomes})
+            if any(_interrupted(result) for _, result, _ in outcomes):
+                raise KeyboardInterrupt  # it was caught where the member ran
             failed = sum(1 for _, sentence in found.values() if sentence)
             more = f", {failed} failed" if failed else ""
             report(len(found) / len(labelled), f"{len(found)} of {len(labelled)} members{more}")
     except KeyboardInterrupt:
-        pass
+        if many is not None:
+            ending = f"{ending}. Go on with {many.again}."
     except ModelError as error:
         if not found:
             raise
         ending = f"it was not run: {error.what}"
+    else:
+        if many is not None:
+            many.say(finished=True)
     labels = tuple(label for label, _ in labelled)
     kept = [found.get(label, (None, ending)) for label in labels]
     failures = {label: sentence for label, (_, sentence) in zip(labels, kept, strict=True) if sentence}
@@ -178,7 +194,7 @@ def _batch(members: Sequence[tuple[Hashable, Any]], build: Build | None, steps: 
 
 
 def _run(
-    tasks: list[list[tuple[Hashable, Any]]], build: Build | None, settings: dict[str, Any], executor: Executor | None
+    tasks: list[list[Member]], build: Build | None, settings: dict[str, Any], executor: Executor | None
 ) -> Iterator[list[Outcome]]:
     if executor is None:
         for task in tasks:
@@ -208,15 +224,21 @@ def _run(
             future.cancel()
 
 
-def _task(task: Sequence[tuple[Hashable, Any]], build: Build | None, settings: Mapping[str, Any]) -> list[Outcome]:
+def _interrupted(result: Result | None) -> bool:
+    return result is not None and result.status.code == "interrupted"
+
+
+def _task(task: Sequence[Member], build: Build | None, settings: Mapping[str, Any]) -> list[Outcome]:
     """Run the members of a batch; what one of them raises is its failure."""
     outcomes: list[Outcome] = []
-    for label, member in task:
+    for label, member, folder in task:
         try:
-            result = simulate(member if build is None else build(member), **settings)
+            result = simulate(member if build is None else build(member), folder=folder, **settings)
         except Exception as error:
             what = error.what if isinstance(error, ModelError) else repr(error)
             outcomes.append((label, None, what))
         else:
             outcomes.append((label, result, "" if result.success else str(result.status)))
+            if _interrupted(result):
+                break
     return outcomes

@@ -9,8 +9,10 @@ stable equilibrium, whatever the start.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +25,15 @@ from directrix.critical import PathStability
 from directrix.discretisation import discretise
 from directrix.errors import ConvergenceError, ModelError
 from directrix.hessian import Hessian, nearest_zero, negative_pivots, not_conservative
+from directrix.keeping import Folder, Keeper, fingerprint, recall, remember
 from directrix.kernels import step as kernel
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.recorder import Progress, Recorder
 from directrix.result import Result, Status, turn_length
-from directrix.state import initial_state, place_supports
+from directrix.state import initial_state, place_supports, stand
 from directrix.statics import static_scheme, watch_for
+from directrix.watch import Watch
 
 Array = NDArray[np.float64]
 
@@ -49,6 +53,7 @@ def form_find(
     *,
     start: Result | None = None,
     iterations: int = 2000,
+    folder: Folder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
     threads: int = 1,
     progress: Progress | None = None,
@@ -68,6 +73,8 @@ def form_find(
         Begin at the last state of this result instead of the reference.
     iterations
         Most iterations of the relaxation.
+    folder
+        Where the search is kept while it goes on, as in :func:`directrix.solve_static`.
     tolerance
         Unbalanced over largest element force at which the state is accepted (never below round-off).
     threads
@@ -96,6 +103,8 @@ def form_find(
     if why:
         raise ModelError(f"there is no energy to fall: {why}", "use solve_static for such loads")
     x = initial_state(disc, start, scheme)
+    asked = {"iterations": iterations, "tolerance": tolerance, "x": x, "parts": start is None}
+    print_ = "" if folder is None else fingerprint(disc, scheme, asked, (1.0,))
     loads = disc.external(1.0)
     newton.driver.place(1.0, 1.0)
     newton.driver.shift()
@@ -105,66 +114,114 @@ def form_find(
     ledger = StaticBooks(disc, newton.books(x))
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, newton.books(x), ledger.flows)
     counts = [watch.pivots(x, 1.0)]
-    fall = _Fall(newton, loads)
+    search = _Search(newton, loads, watch, recorder, x, iterations, bool(disc.prescribed) and start is None)
+    keeper = Keeper(folder, recorder, print_)
+    if keeper.memory is not None:
+        search.recall(keeper.memory)
+        search.status = search.status if keeper.same else None
+        x = search.x
     report = reporting(progress)
-    status, taken = None, 0
-    try:
-        for part in range(1, PARTS) if disc.prescribed and start is None else ():
-            fall.support(x, part / PARTS)
-            taken, _ = _relaxed(fall, x, taken, min(taken + BRIEFLY, iterations), report)
-        fall.support(x, 1.0)
-        for _ in range(NUDGES):
-            taken, status = _relaxed(fall, x, taken, iterations, report)
-            if status is not None:
-                break
-            outcome = newton.solve(x, loads)
-            recorder.log.tried(newton.trail, solved=outcome.status is None)
-            if outcome.status is not None:
-                status = outcome.status
-                break
-            if not watch.pivots(x, 1.0):
-                status = Status("done", f"a stable equilibrium after {taken} iterations of relaxation.")
-                break
-            fall.nudge(x)  # an equilibrium, but one that the start is symmetric about: off it, and down again
-    except KeyboardInterrupt:
-        status = Status("interrupted", f"interrupted after {taken} iterations.", "Go on with start=.")
-    status = status or Status(
-        "not_converged",
-        f"{taken} iterations of relaxation led to equilibria that are not stable.",
-        "Begin elsewhere with start=, or refine the mesh.",
-    )
+    status = keeper.attend(lambda: search.go(report, keeper), lambda: f"iteration {search.taken}")
     books = newton.finish(x, newton.applied(x, loads).copy())
     ledger.add(books, x[: disc.nodes, :3])
     recorder.keep(1.0, 1.0, x[: disc.nodes, :3], x, books, ledger.flows)
     counts.append(watch.pivots(x, 1.0))
     info = {
-        "formulation": "Directors()", "tolerance": tolerance, "control": "form finding", "relaxation": taken,
+        "formulation": "Directors()", "tolerance": tolerance, "control": "form finding", "relaxation": search.taken,
         "element": repr(scheme.element),
     }  # fmt: skip
     stability = PathStability(np.array(counts, np.int64), np.zeros(len(counts), bool))
-    result = replace(recorder.result(status, ledger.audit(), info), stability=stability)
+    result = replace(recorder.result(status, ledger.audit(), info, keeper.earlier()), stability=stability)
+    result = keeper.finish(result)
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
 
 
-def _relaxed(
-    fall: _Fall, x: Array, taken: int, most: int, report: Callable[[float, str], None]
-) -> tuple[int, Status | None]:
-    """Let ``x`` fall until Newton's iteration can take over: iterations so far, and a status when it did not settle."""
-    fall.pace, fall.first = FIRST, 0.0
-    left = 1.0
-    while taken < most:
-        left, taken = fall.step(x), taken + 1
-        report(taken / most, f"imbalance {left:.3g} of the first, pseudo-time step {fall.pace:.3g}")
-        if fall.stuck or (left <= NEAR and fall.pace >= LAST):
-            nodes = fall.disc.nodes
-            x[:nodes, 12:15], x[:nodes, 15:24] = 0.0, x[:nodes, 3:12]
-            return taken, None
-    sentence = f"the relaxation did not settle in {most} iterations, its imbalance is {left:.3g} of the first."
-    return taken, Status(
-        "not_converged", sentence, "Raise iterations, go on with start=, or stiffen what moves freely."
-    )
+class _Search:
+    """The way to a stable equilibrium, one move after the other: supports go on by a part and the model falls, in the
+    end until it settles; what it settles in that is not stable is left. ``status`` says how it ended."""
+
+    def __init__(
+        self, newton: Newton, loads: Array, watch: Watch, recorder: Recorder, x: Array, most: int, by_parts: bool
+    ) -> None:
+        self.newton, self.loads, self.watch, self.recorder, self.x, self.most = newton, loads, watch, recorder, x, most
+        self.fall = _Fall(newton, loads)
+        self.part, self.taken, self.nudges = 1 if by_parts else PARTS, 0, 0
+        self.begun, self.limit, self.left = False, 0, 1.0
+        self.status: Status | None = None
+
+    def remember(self) -> dict[str, Any]:
+        """All that the next move depends on."""
+        return {
+            "own": remember(self, "x", "part", "taken", "nudges", "begun", "limit", "left"),
+            "fall": remember(self.fall, "pace", "first", "stuck"),
+            "status": None if self.status is None else vars(self.status), "newton": self.newton.remember(),
+            "trail": self.recorder.log.trail.remember(),
+        }  # fmt: skip
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        recall(self, memory["own"])
+        recall(self.fall, memory["fall"])
+        self.status = None if memory["status"] is None else Status(**memory["status"])
+        self.newton.recall(memory["newton"])
+        self.recorder.log.trail.recall(memory["trail"])
+
+    def go(self, report: Callable[[float, str], None], keeper: Keeper) -> Status:
+        """Move on until the end."""
+        while self.status is None:
+            if keeper.due(self.taken):
+                keeper.keep(self.taken, self.part / PARTS, self.remember())
+                if keeper.stopping:
+                    return keeper.interrupted(f"iteration {self.taken}")
+            self.status = self._move(report)
+        if self.status.success:
+            keeper.keep(self.taken, 1.0, self.remember(), done=True)
+        return self.status
+
+    def _move(self, report: Callable[[float, str], None]) -> Status | None:
+        fall, last = self.fall, self.part == PARTS
+        if not self.begun:
+            fall.support(self.x, self.part / PARTS)
+            fall.begin()
+            self.limit = self.most if last else min(self.taken + BRIEFLY, self.most)
+            self.begun, self.left = True, 1.0
+        if self.taken < self.limit:
+            self.left, self.taken = fall.step(self.x), self.taken + 1
+            report(self.taken / self.limit, f"imbalance {self.left:.3g} of the first, pseudo-time step {fall.pace:.3g}")
+            if not (fall.stuck or (self.left <= NEAR and fall.pace >= LAST)):
+                return None
+            stand(self.x, fall.disc.nodes)
+            if last:
+                return self._settled()
+        elif last:
+            sentence = f"the relaxation did not settle in {self.most} iterations, its imbalance is {self.left:.3g} of"
+            return Status(
+                "not_converged", f"{sentence} the first.",
+                "Raise iterations, go on with start=, or stiffen what moves freely.",
+            )  # fmt: skip
+        self.part, self.begun = self.part + 1, False
+        return None
+
+    def _settled(self) -> Status | None:
+        """Newton's iteration, and off again from an equilibrium that the start is symmetric about."""
+        outcome = self.newton.solve(self.x, self.loads)
+        self.recorder.log.tried(self.newton.trail, solved=outcome.status is None)
+        if outcome.status is not None:
+            return outcome.status
+        if not self.watch.pivots(self.x, 1.0):
+            return Status("done", f"a stable equilibrium after {self.taken} iterations of relaxation.")
+        self.nudges += 1
+        if self.nudges == NUDGES:
+            return Status(
+                "not_converged",
+                f"{self.taken} iterations of relaxation led to equilibria that are not stable.",
+                "Begin elsewhere with start=, or refine the mesh.",
+            )
+        self.fall.nudge(self.x)
+        self.fall.begin()
+        return None
 
 
 class _Fall:
@@ -173,6 +230,10 @@ class _Fall:
     def __init__(self, newton: Newton, loads: Array) -> None:
         self.newton, self.loads, self.disc = newton, loads, newton.disc
         self.hessian = Hessian(newton, turn_length(newton.disc.mesh.r0))
+        self.begin()
+
+    def begin(self) -> None:
+        """Before it falls anew."""
         self.pace, self.first, self.stuck = FIRST, 0.0, False
 
     def support(self, x: Array, factor: float) -> None:

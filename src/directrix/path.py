@@ -155,6 +155,7 @@ class Walk:
         self.by: Gauge | None = None  # what measures the step that is tried; the load factor without one
         self.met = 0  # bifurcations since the start, or since the last branch was taken
         self.arc, self.steps, self.cuts, self.parts, self.kept = 0.0, 0, 0, 0, True
+        self.ended: Status | None = None
 
     @property
     def factor(self) -> float:
@@ -216,6 +217,7 @@ class Walk:
             "point": [point.x.copy(), point.factor, point.tangent.copy(), point.slope],
             "trail": self.recorder.log.trail.remember(), "gauge": self.gauge.remember(),
             "watch": None if self.watch is None else self.watch.count,
+            "ended": None if self.ended is None else vars(self.ended),
             "turning_points": [vars(p) for p in self.turning_points], "critical": [vars(p) for p in self.critical],
         }  # fmt: skip
 
@@ -228,6 +230,7 @@ class Walk:
         self.ledger.recall(memory["ledger"])
         recall(self.gauge, memory["gauge"])
         self.recorder.log.trail.recall(memory["trail"])
+        self.ended = None if memory["ended"] is None else Status(**memory["ended"])
         if self.watch is not None:
             self.watch.count = memory["watch"]
         self.turning_points = [TurningPoint(**p) for p in memory["turning_points"]]
@@ -235,8 +238,11 @@ class Walk:
 
     def go(self, progress: Progress, keeper: Keeper) -> Status:
         """Step on until the end, ``until``, the most steps, or a step that fails at its smallest."""
+        if self.ended is not None and self._asked():  # it was killed after that, or until asks for no more than it did
+            return self.ended
         status = self._go(progress, keeper)
         if status.success:
+            self.ended = status
             keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
         return status
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -11,6 +12,7 @@ import numpy as np
 
 from directrix.checks import choice, nearest, shown, whole
 from directrix.errors import ModelError
+from directrix.keeping import Folder, Many
 from directrix.model import Model
 from directrix.result import Result
 
@@ -82,6 +84,7 @@ def refine(
     levels: int = 3,
     t_end: float | None = None,
     dt: float | None = None,
+    folder: Folder | str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> Refined:
     """Run a model again with elements half as long, with steps half as long, and with both; estimate the error.
@@ -93,6 +96,9 @@ def refine(
     what
         A function of the result, or words: ``"node:B:displacement:y"``, ``"rod:mid:force:axial"``, ``"energy:stored"``
         or ``"momentum:angular:z"``, at the end and largest along a rod; with ``":max"`` behind, the largest in time.
+    folder
+        Where the runs are kept, each in a folder of its own in it: a path, or ``dx.Folder(path, resume=True)``, which
+        takes from there what is done.
     levels
         3 observes the order, 2 is cheaper and has to assume it.
 
@@ -106,20 +112,25 @@ def refine(
     measure = quantity(what) if isinstance(what, str) else what
     if (t_end is None) != (dt is None):
         raise ModelError("t_end and dt belong together", "give both for a motion, none for statics", "t_end=, dt=")
+    steps = range(1 if dt is None else levels)
+    labels = [f"mesh{k}-step{j}" for k in range(levels) for j in steps if j in (0, k) or k == 0]
+    many = None if folder is None else Many.claim(folder, labels)
     known: dict[tuple[int, int], float] = {}
 
     def value(mesh: int, step: int) -> float:
         if (mesh, step) not in known:
+            place = None if many is None else many.of(f"mesh{mesh}-step{step}")
             known[mesh, step] = _value(refined(model, 2**mesh), measure, t_end, None if dt is None else dt / 2**step,
-                                       2**step, options)  # fmt: skip
+                                       2**step, {**options, "folder": place})  # fmt: skip
         return known[mesh, step]
 
     order = min((rod.order for rod in model.rods), default=1)
-    mesh = _direction("h", [value(k, 0) for k in range(levels)], 2.0 * order)
-    if dt is None:
-        return Refined(name, value(0, 0), mesh, None, None)
-    step = _direction("Δt", [value(0, k) for k in range(levels)], 2.0)
-    both = _direction("h and Δt", [value(k, k) for k in range(levels)], 2.0)
+    mesh, step, both = _direction("h", [value(k, 0) for k in range(levels)], 2.0 * order), None, None
+    if dt is not None:
+        step = _direction("Δt", [value(0, k) for k in range(levels)], 2.0)
+        both = _direction("h and Δt", [value(k, k) for k in range(levels)], 2.0)
+    if many is not None:
+        many.say(finished=True)
     return Refined(name, value(0, 0), mesh, step, both)
 
 

@@ -18,7 +18,7 @@ from directrix.scheme import Scheme
 
 Array = NDArray[np.float64]
 
-__all__ = ["has_history", "initial_state", "place_all", "place_supports"]
+__all__ = ["has_history", "initial_state", "place_all", "place_supports", "stand"]
 
 
 def initial_state(disc: Discretisation, start: Result | None, scheme: Scheme) -> Array:
@@ -79,6 +79,11 @@ def has_history(start: Result | None, scheme: Scheme) -> bool:
     """True when ``start`` carries what ``scheme`` needs to go on beside positions and velocities."""
     rows = 0 if start is None else start.history.shape[1] - len(start.mesh.joints)
     return start is not None and rows > 0 and start.info.get("element") == repr(scheme.element)
+
+
+def stand(x: Array, nodes: int) -> None:
+    """Count the next step from the state ``x`` as it is."""
+    x[:nodes, 12:15], x[:nodes, 15:24] = 0.0, x[:nodes, 3:12]
 
 
 def place_supports(disc: Discretisation, x: Array, t: float) -> bool:

@@ -39,6 +39,7 @@ from directrix.scheme import Scheme
 from directrix.state import initial_state, place_supports
 from directrix.telling import line
 from directrix.threads import one_blas_thread
+from directrix.turning import folded, within_reach
 from directrix.watch import Watch
 
 Array = NDArray[np.float64]
@@ -149,12 +150,12 @@ def solve_static(
     refuse_joints(newton, x)
     found = refuse(at_start(newton, x, stressed=start is not None))
     recorder = Recorder(disc, "static", Parts(disc.mesh, keep), record, feed_of(progress))
+    watch, unread = watch_for(newton, stability, control)
     asked = {
         "steps": steps, "control": control, "formulation": formulation, "tolerance": tolerance, "rotation": rotation,
-        "save_every": save_every, "keep": keep, "x": x,
+        "save_every": save_every, "keep": keep, "stability": watch is not None, "x": x,
     }  # fmt: skip
     print_ = "" if folder is None else fingerprint(disc, scheme, asked, (0.0, 1.0))
-    watch, unread = watch_for(newton, stability, control)
     run: _LoadSteps | Walk
     if control is None:
         run = _LoadSteps(newton, recorder, steps or 10, save_every, watch)
@@ -164,15 +165,8 @@ def solve_static(
     keeper = Keeper(folder, recorder, print_)
     if keeper.memory is not None and status is None:
         run.recall(keeper.memory)
-    try:
-        keeper.listen()
-        status = status or run.go(reporting(progress), keeper)
-    except KeyboardInterrupt:
-        status = keeper.interrupted(f"load factor {run.factor:.6g}")
-    except ModelError as error:  # a user's function that fails on the way: keep what there is
-        status = Status("bad_input", f"stopped at load factor {run.factor:.6g}: {error.what}.", f"{error.fix}.")
-    finally:
-        keeper.hush()
+    report = reporting(progress)
+    status = status or keeper.attend(lambda: run.go(report, keeper), lambda: f"load factor {run.factor:.6g}")
     run.close()
     status = noted(status, found)
     info = {
@@ -236,18 +230,20 @@ class _LoadSteps:
             done, reach = self.factor, self.reach
             goal = min(np.floor(done * steps + 1e-9) + 1.0, steps) / steps
             factor = goal if done + reach >= goal * (1.0 - 1e-12) else done + reach
+            factor = within_reach(newton, self.x, done, factor, 2.0 * SMALLEST / steps)
             before = self.x.copy()
             newton.begin(self.x)
             moved = place_supports(disc, self.x, factor)
             loads = disc.external(factor, factor)
             newton.driver.place(factor, factor)
             outcome = newton.solve(self.x, loads, moved)
-            self.recorder.log.tried(newton.trail, solved=outcome.status is None)
-            if outcome.status is not None:
+            failed = outcome.status or folded(newton, self.x)
+            self.recorder.log.tried(newton.trail, solved=failed is None)
+            if failed is not None:
                 self.x = before
                 self.reach, self.cuts = 0.5 * (factor - done), self.cuts + 1
                 if self.reach < SMALLEST / steps:
-                    why = explained(newton, before, outcome.status)
+                    why = explained(newton, before, failed)
                     sentence = f"stopped at load factor {done:.6g}, after {self.cuts} cuts of the step: {why.sentence}"
                     return Status(why.code, sentence, why.advice)
                 continue

@@ -38,6 +38,11 @@ def _energy(e: Scalar, k: Scalar, w: Scalar) -> Scalar:
     return 0.5 * k * p * p * p / (p + w)
 
 
+def _away(d: Vector) -> Scalar:
+    """|d| for derivatives that divide by its cube: on the axis of a pipe there is no direction, and no force either."""
+    return (dot(d, d) + 1e-200) ** 0.5
+
+
 def _mean_force(e0: Scalar, e1: Scalar, k: Scalar, w: Scalar) -> Scalar:
     """ΔW/Δe without a difference: (p1 − p0)/(e1 − e0) times ΔW/Δp, and each is a quotient of sums."""
     p0, p1 = _positive(e0), _positive(e1)
@@ -86,7 +91,7 @@ class ObstacleElement(Attached):
             away = dot(y, p[3:6])
             return away - p[8], away, p[3:6]
         out = sub(y, scale(dot(y, p[3:6]), p[3:6]))
-        away = length(out)
+        away = _away(out)
         return p[7] * (away - p[6]) - p[8], away, out
 
     def _push(self, n: rot.Node, p: Sequence[Scalar]) -> tuple[Scalar, Vector]:
@@ -102,7 +107,7 @@ class ObstacleElement(Attached):
     def _friction(self, n: rot.Node, p: Sequence[Scalar], g: Sequence[Scalar]) -> tuple[Vector, _Friction]:
         """Arm from the node to where the surfaces meet, and friction there."""
         force, out = self._push(n, p)
-        size = length(out)
+        size = _away(out)
         normal = scale(1.0 / size, out)
         arm = scale(-1.0 * p[8], normal)
         slip = add(n.step, cross(_turn(n), arm))

@@ -2,6 +2,7 @@
 
 from directrix.keeping.folder import Folder, RunFolder, Source
 from directrix.keeping.keeper import Keeper, fingerprint
+from directrix.keeping.many import Many
 from directrix.keeping.memory import recall, remember
 
-__all__ = ["Folder", "Keeper", "RunFolder", "Source", "fingerprint", "recall", "remember"]
+__all__ = ["Folder", "Keeper", "Many", "RunFolder", "Source", "fingerprint", "recall", "remember"]

@@ -70,18 +70,19 @@ def append(path: Path, text: str) -> None:
         flush(file)
 
 
-def refused(error: OSError, where: str, needed: int, fix: str = "") -> InputError:
-    """What to say when the system does not take a file of ``needed`` bytes."""
+def refused(error: OSError, where: str, needed: int, then: str = "") -> InputError:
+    """What to say when the system does not take a file of ``needed`` bytes; ``then`` is to be done after that."""
     what = f"cannot be written: {error.strerror or error}"
+    fix = "check free space and permissions"
     if error.errno in (ENOSPC, EDQUOT):
         free = -1
         with suppress(OSError):
             free = shutil.disk_usage(Path(where).parent).free
         room = f", {_megabytes(free)} are free" if free >= 0 else ""
-        return InputError(f"{what}; {_megabytes(needed)} are needed{room}", fix or "make room", where)
-    if error.errno == EROFS:
-        return InputError(what, fix or "make the disk writable", where)
-    return InputError(what, fix or "check free space and permissions", where)
+        what, fix = f"{what}; {_megabytes(needed)} are needed{room}", "make room for that"
+    elif error.errno == EROFS:
+        fix = "make the disk writable"
+    return InputError(what, f"{fix}, {then}" if then else fix, where)
 
 
 def _megabytes(size: int) -> str:

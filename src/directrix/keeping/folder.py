@@ -116,7 +116,7 @@ class RunFolder:
         except FileExistsError:
             raise InputError("is a file, not a folder", "name another folder with --out", where) from None
         except OSError as error:
-            raise disk.refused(error, where, 0, "name another folder with --out") from None
+            raise disk.refused(error, where, 0, "or name another folder with --out") from None
         ours = runs.OURS | {PARTS, LOG, *INPUTS}
         foreign = sorted(name for name in names - ours if not fnmatch(name, runs.RECORDS))
         if foreign:
@@ -140,7 +140,7 @@ class RunFolder:
             folder.close()
             raise InputError(
                 f"holds a run that has not finished: {how_far(path, said)}",
-                f"go on with it: {resume_command(path)}; or throw it away with --overwrite (in Python, resume=True or "
+                f"go on with it: {resume_command(path, typed(said))}; or throw it away with --overwrite (in Python, "
                 "overwrite=True of dx.Folder)",
                 where,
             )
@@ -149,7 +149,7 @@ class RunFolder:
     @property
     def store(self) -> Store:
         """Segments and checkpoints."""
-        return Store(self.path)
+        return Store(self.path, typed(self.said))
 
     def begin(self, fingerprint: str) -> None:
         """Freeze the input and say that the run is on. Raises InputError."""
@@ -208,14 +208,17 @@ class RunFolder:
         try:
             disk.append(self.path / LOG, json.dumps({"time": now, "event": event, **more}) + "\n")
         except OSError as error:
-            raise disk.refused(error, str(self.path / LOG), 1000, self._fix) from None
+            raise disk.refused(error, str(self.path / LOG), 1000, self.store.then) from None
 
     def write(self, result: Result) -> None:
         """Write result, summary and monitor in place of what was there. Raises InputError."""
         for name in runs.OURS - {runs.SUMMARY, runs.MONITOR, runs.RESULT}:
             with suppress(OSError):
                 (self.path / name).unlink(missing_ok=True)
-        saved = Path(result.save(self.path / runs.RESULT))
+        try:
+            saved = Path(result.save(self.path / runs.RESULT))
+        except InputError as error:
+            raise InputError(error.what, f"{error.fix}, {self.store.then}", error.where) from None
         self._put(runs.MONITOR, runs.monitor(result))
         kept = ("title", "input", "fingerprint", "environment", "progress", "until", "adaptive")
         self.said = {**runs.summary(result, saved), **{k: self.said[k] for k in kept if k in self.said}}
@@ -274,25 +277,22 @@ class RunFolder:
         try:
             disk.append(self.path / name, text)
         except OSError as error:
-            raise disk.refused(error, str(self.path / name), len(text), self._fix) from None
+            raise disk.refused(error, str(self.path / name), len(text), self.store.then) from None
 
     def _say(self) -> None:
         text = json.dumps(runs.finite(self.said), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         self._put(runs.SUMMARY, text.encode())
 
     def _put(self, name: str, data: bytes | Iterable[bytes]) -> None:
-        needed = 0
+        needed, parts = 0, iter((data,) if isinstance(data, bytes) else data)
         try:
             with disk.replacing(self.path / name) as file:
-                for part in (data,) if isinstance(data, bytes) else data:
+                for part in parts:
                     needed += len(part)
                     disk.write(file, part)
         except OSError as error:
-            raise disk.refused(error, str(self.path / name), needed, self._fix) from None
-
-    @property
-    def _fix(self) -> str:
-        return f"make room, then go on from the last checkpoint with: {resume_command(self.path)}"
+            needed += sum(map(len, parts))
+            raise disk.refused(error, str(self.path / name), needed, self.store.then) from None
 
 
 def summary_of(path: Path) -> dict[str, Any] | None:
@@ -307,6 +307,11 @@ def summary_of(path: Path) -> dict[str, Any] | None:
 def unfinished(said: Mapping[str, Any]) -> bool:
     """True for a run that is on, was killed or was interrupted."""
     return said.get("status", {}).get("code") in UNFINISHED
+
+
+def typed(said: Mapping[str, Any]) -> bool:
+    """True for the run of a case file, which the command line goes on with."""
+    return "copy" in (said.get("input") or {})
 
 
 def is_on(path: Path) -> bool:
@@ -353,7 +358,7 @@ def about(path: Path) -> Iterator[str]:
     for key, value in said.get("environment", {}).items():
         yield f"  {key} = {value}"
     if not on:
-        yield f"  go on with: {resume_command(path)}"
+        yield f"  go on with: {resume_command(path, typed(said))}"
 
 
 def changed(said: Mapping[str, Any]) -> list[str]:

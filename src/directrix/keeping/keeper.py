@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from types import FrameType
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from directrix.errors import InputError, ModelError
-from directrix.keeping.folder import Folder, RunFolder
+from directrix.keeping.folder import Folder, RunFolder, typed
 from directrix.keeping.packing import pack
 from directrix.keeping.store import resume_command
 from directrix.result import Status
@@ -45,6 +45,7 @@ class Keeper:
         self.serial = self.sealed = 0
         self.last, self.at, self.pause = time.monotonic(), -1, 0.0
         self.memory: dict[str, Any] | None = None
+        self.same = True  # what is asked for now is what the run in the folder was begun with
         self.refused: InputError | None = None
         self.checkpoint: dict[str, Any] = {"done": False}
         self.handlers: dict[signal.Signals, Any] = {}
@@ -70,7 +71,8 @@ class Keeper:
             folder.begin(self.print)
             folder.store.make()
             return
-        if found["fingerprint"] != self.print and not self.options.force:
+        self.same = found["fingerprint"] == self.print
+        if not self.same and not self.options.force:
             raise InputError(
                 "holds a run of another model, or with other arguments",
                 "go on with the same ones, or use force to go on all the same",
@@ -155,8 +157,20 @@ class Keeper:
 
     def interrupted(self, at: str) -> Status:
         """How a run ends that was asked to."""
-        where = resume_command(self.folder.path) if self.folder is not None else "start="
+        where = "start=" if (folder := self.folder) is None else resume_command(folder.path, typed(folder.said))
         return Status("interrupted", f"interrupted at {at}.", f"Go on with {where}.")
+
+    def attend(self, go: Callable[[], Status], where: Callable[[], str]) -> Status:
+        """Let a loop go until it ends, or is broken off ``where`` it is then: how it ended."""
+        try:
+            self.listen()
+            return go()
+        except KeyboardInterrupt:
+            return self.interrupted(where())
+        except ModelError as error:  # a user's function that fails on the way: keep what there is
+            return Status("bad_input", f"stopped at {where()}: {error.what}.", f"{error.fix}.")
+        finally:
+            self.hush()
 
     def listen(self) -> None:
         """From here on the first SIGINT or SIGTERM asks the run to end after its step, the second ends it at once."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from directrix.errors import InputError
 from directrix.keeping import disk
 from directrix.keeping.packing import DamagedError, pack, unpack
 
@@ -18,8 +17,10 @@ __all__ = ["Store", "resume_command"]
 PARTS = "parts"
 
 
-def resume_command(folder: Path) -> str:
-    """What to type to go on."""
+def resume_command(folder: Path, typed: bool = True) -> str:
+    """What to type to go on with the run of a case, or what to call to go on with one that was not ``typed``."""
+    if not typed:
+        return f"the same call and folder=dx.Folder({str(folder)!r}, resume=True)"
     name = str(folder)
     return f"directrix resume {name!r}" if any(c.isspace() for c in name) else f"directrix resume {name}"
 
@@ -33,11 +34,18 @@ class Store:
     """
 
     folder: Path
+    typed: bool = True
+    """The run is that of a case file."""
 
     @property
     def path(self) -> Path:
         """Where the parts are."""
         return self.folder / PARTS
+
+    @property
+    def then(self) -> str:
+        """What to do when the disk takes files again."""
+        return f"then go on from the last checkpoint with: {resume_command(self.folder, self.typed)}"
 
     def make(self) -> None:
         """Make the place. Raises InputError."""
@@ -96,7 +104,5 @@ class Store:
         try:
             disk.put(path, data)
         except OSError as error:
-            fix = f"make room for that, then go on from the last checkpoint with: {resume_command(self.folder)}"
-            refused = disk.refused(error, str(path), len(data), fix)
-            raise InputError(refused.what, fix, str(path)) from None
+            raise disk.refused(error, str(path), len(data), self.then) from None
         return len(data)
