@@ -115,8 +115,8 @@ def polygon(
     from directrix.geometry.pieces import extra
 
     extra("sectionproperties", "a section by its corners")
-    from sectionproperties.analysis import Section as Analysed
-    from sectionproperties.pre import Geometry
+    from sectionproperties.analysis.section import Section as Analysed
+    from sectionproperties.pre.geometry import Geometry
     from shapely import Polygon, is_valid_reason
 
     rings = [_corners(ring, what) for ring, what in ((outline, "outline"), *((hole, "hole") for hole in holes))]
@@ -146,7 +146,7 @@ def _corners(ring: ArrayLike, what: str) -> Array:
         out = np.asarray(ring, float)
     except (TypeError, ValueError):
         out = np.zeros(0)
-    if out.ndim != 2 or out.shape[1] != 2 or not 3 <= len(out) <= 5000 or not np.all(np.isfinite(out)):
+    if out.ndim != 2 or out.shape[-1] != 2 or not 3 <= len(out) <= 5000 or not np.all(np.isfinite(out)):
         raise ModelError(f"the {what} has no corners (k, 2)", "give three or more, each as (x, y)")
     return out
 

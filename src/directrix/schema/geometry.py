@@ -210,9 +210,11 @@ def build_geometry(table: AnyGeometry, sections: Mapping[str, Section], folder: 
             case Drawing():
                 return from_dxf(path, model=model, **given)
             case Graph():
-                own = given.pop("section", None)
-                named = {**sections, **own} if isinstance(own, dict) else dict[Any, Section](sections)
-                if isinstance(own, Section):
+                own: Section | dict[str, Section] | None = given.pop("section", None)
+                named: dict[Any, Section] = dict(sections)
+                if isinstance(own, dict):
+                    named |= own
+                elif own is not None:
                     named[None] = own  # of edges that name none
                 return from_graph(path, section=named, model=model, **given)
             case _:
