@@ -1,7 +1,7 @@
 """What a step of a chain costs: one free rod of n elements, energy–momentum, through ``simulate``.
 
 Everything a run does is counted: meshing, assembly, solution, update, loads, audit and what is kept; it is so long that
-what comes before the first step does not show. Compiling is not counted: a short run goes first. It is CPU time, best of
+what comes before the first step does not show. Compiling is not: a short run goes first. It is CPU time, best of
 several, on one core. Caches and execution units are shared with all else the machine does, so the yardstick beside it
 counts as much as the nanoseconds: LAPACK solving one banded system of the same size (``scipy.linalg.solve_banded``),
 what the linear algebra of one iteration alone costs elsewhere, measured in turns with it. The target is for a quiet
