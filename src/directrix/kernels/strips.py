@@ -33,6 +33,7 @@ __all__ = ["MOVES", "RESULTS", "SHOWN", "TANGENTS", "close", "imbalance", "move"
 
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
+ROUNDED = 2e-16  # what rounding leaves in an increment for every node of a lane; they add up at random
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
 ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS, MOVES = 0, 1, 2, 5, 8, 16, 17, 18, 19
@@ -187,6 +188,7 @@ def _iterate(code, main, rest, g, w, options, row):
     """Newton's iteration; the number of increments, 0 when the general solver has to take the step;
     and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
+    fine = max(SETTLED, ROUNDED * sqrt(main.elements * main.stride))
     frozen = again = False
     before, tangents = 0.0, 0
     for iteration in range(1, allowed + 1):
@@ -214,11 +216,11 @@ def _iterate(code, main, rest, g, w, options, row):
         rate = size / before if before > 0.0 else 1.0
         if not again:
             rate *= rate
-        settled = not again or size * rate <= SETTLED
+        settled = not again or size * rate <= fine
         small = moved <= 1e-9 * length and turned <= 1e-9
-        again = small or (rate < 0.1 and size * rate ** (REUSES + 1) <= SETTLED)
+        again = rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
         before = size
-        if again:
+        if again or small:
             worst = imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
                 return iteration, tangents
