@@ -141,7 +141,7 @@ def test_no_argument_gets_through_that_is_of_another_kind(place: str) -> None:
         (lambda: dx.spline([(0, 0, 0), (0, 0, 0), (1, 0, 0)]), "are the same"),
         (lambda: dx.arc((0, 0, 0), (1, 0, 0), (2, 0, 0)), "lie on a line"),
         (lambda: dx.line((0, 0, 0), (1, 0, 0), d1=(2, 0, 0)), "along the rod"),
-        (lambda: dx.Model().rod(dx.line((0, 0, 0), (1e300, 0, 0)), SECTION), "inf long"),
+        (lambda: dx.Model().rod(dx.line((0, 0, 0), (1e300, 0, 0)), SECTION), "of the line is 1e.300 away"),
         (lambda: dx.Model().rod(dx.helix(radius=1e308, pitch=1, turns=9), SECTION), "inf long"),
     ],
 )  # fmt: skip
