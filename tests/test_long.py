@@ -28,7 +28,7 @@ def frame(elements: int = 1) -> dx.Model:
     )
 
 
-def drift(steps: int, dt: float = 0.05, elements: int = 2) -> dict[str, float]:
+def drift(steps: int, dt: float = 0.002, elements: int = 2) -> dict[str, float]:
     """Largest relative changes of linear momentum, of angular momentum about the mass centre and of energy, the loss
     of orthonormality, and the memory [MB per 1e5 steps] that the second half of the run takes."""
     memory: list[float] = []
