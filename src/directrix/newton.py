@@ -432,9 +432,9 @@ class Newton:
         Far from the origin positions lose the digits that strains are made of. The shift is a multiple of a power
         of two, so no digit of a position changes.
         """
-        grain = 2.0 ** np.floor(np.log2(0.125 * self.disc.length))
-        if np.abs(first).max() <= grain:
+        if np.abs(first).max() <= self.disc.length:
             return None
+        grain = 2.0 ** np.floor(np.log2(self.disc.length))
         shift = np.rint(first / grain) * grain
         self.origin += shift
         return shift
