@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from case_texts import swing_case
 from kept_loads import IN_JOINTS, ON_THE_ARM
 from kept_runs import FEW, Solve, every, flying
 from typer.testing import CliRunner
@@ -49,7 +50,9 @@ def frozen_at(
     copies: dict[int, Path] = {}
     keep = Keeper.keep
 
-    def copying(self: Keeper, taken: int, t: float, memory: Mapping[str, Any], *, done: bool = False) -> None:
+    def copying(
+        self: Keeper, taken: int, t: float, memory: Callable[[], Mapping[str, Any]], *, done: bool = False
+    ) -> None:
         keep(self, taken, t, memory, done=done)
         if self.folder is not None:
             taken = END if done else taken
@@ -264,36 +267,7 @@ def test_what_is_kept_and_watched_changes_nothing(name: str, tmp_path: Path) -> 
 
 # --- the command line
 
-CASE = """
-[section.rubber]
-kind = "circle"
-radius = 0.02
-E = 5e6
-nu = 0.5
-rho = 1100
-
-[[rod]]
-name = "rod"
-section = "rubber"
-line = [[0, 0, 0], [1, 0, 0]]
-ends = ["A", "B"]
-elements = 4
-
-[[support]]
-node = "A"
-type = "pin"
-
-[gravity]
-value = [0, 0, -9.81]
-
-[dynamics]
-t_end = 0.2
-dt = 0.01
-
-[output]
-save_every = 3
-checkpoint_steps = 4
-"""
+CASE = swing_case(radius=0.02, elements=4, ends=("A", "B")) + "[output]\nsave_every = 3\ncheckpoint_steps = 4\n"
 BLIND = "--no-view", "-q"
 
 

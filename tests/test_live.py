@@ -13,6 +13,7 @@ from urllib.request import Request, urlopen
 import numpy as np
 import pytest
 from browser import MISSING, Browser
+from case_texts import swing_case
 from typer.testing import CliRunner
 
 import directrix as dx
@@ -21,28 +22,7 @@ from directrix.telling import line, time_left
 from directrix.viewer import live
 from directrix.viewer.live import Live
 
-CASE = """title = "a swing"
-[section.rubber]
-kind = "circle"
-radius = 0.01
-E = 5e6
-nu = 0.5
-rho = 1100
-[[rod]]
-name = "rod"
-section = "rubber"
-line = [[0, 0, 0], [1, 0, 0]]
-ends = ["pin", "tip"]
-elements = 3
-[[support]]
-node = "pin"
-type = "pin"
-[gravity]
-value = [0, 0, -9.81]
-[dynamics]
-t_end = 0.2
-dt = 0.01
-"""
+CASE = 'title = "a swing"\n' + swing_case()
 
 
 def swing() -> dx.Model:

@@ -176,7 +176,7 @@ def simulate(
         keeper.listen()
         while not beat.done:
             if keeper.due(taken := len(recorder.iterations)):
-                keeper.keep(taken, beat.t, memory())
+                keeper.keep(taken, beat.t, memory)
                 if keeper.stopping:
                     status = keeper.interrupted(f"t = {beat.t:g}")
                     break
@@ -249,7 +249,7 @@ def simulate(
                 unsaved = newton.positions(x), x.copy()
             report(pace.fraction(beat), _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
         else:
-            keeper.keep(len(recorder.iterations), before, memory(), done=True)
+            keeper.keep(len(recorder.iterations), before, memory, done=True)
             status = Status("done", f"reached t = {t_end:g} in {len(recorder.iterations)} steps{_thrown(recorder)}.")
     except KeyboardInterrupt:
         if fast is not None:  # it may have come while steps were taken

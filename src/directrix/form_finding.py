@@ -172,12 +172,12 @@ class _Search:
         """Move on until the end."""
         while self.status is None:
             if keeper.due(self.taken):
-                keeper.keep(self.taken, self.part / PARTS, self.remember())
+                keeper.keep(self.taken, self.part / PARTS, self.remember)
                 if keeper.stopping:
                     return keeper.interrupted(f"iteration {self.taken}")
             self.status = self._move(report)
         if self.status.success:
-            keeper.keep(self.taken, 1.0, self.remember(), done=True)
+            keeper.keep(self.taken, 1.0, self.remember, done=True)
         return self.status
 
     def _move(self, report: Callable[[float, str], None]) -> Status | None:

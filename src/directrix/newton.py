@@ -485,7 +485,7 @@ def turn_of(dots: float) -> float:
 
 def _moment(at: Array, force: Array) -> tuple[float, ...]:
     """at × force; of three numbers ``numpy.cross`` takes many times longer than a step of a small model may."""
-    return tuple(cross(at.tolist(), force.tolist()))
+    return cross(at.tolist(), force.tolist())
 
 
 def axial_rates(x: Array) -> Array:

@@ -243,14 +243,14 @@ class Walk:
         status = self._go(progress, keeper)
         if status.success:
             self.ended = status
-            keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
+            keeper.keep(len(self.recorder.iterations), self.factor, self.remember, done=True)
         return status
 
     def _go(self, progress: Progress, keeper: Keeper) -> Status:
         gauge = self.gauge
         while gauge.left > 0.0:
             if keeper.due(tried := len(self.recorder.iterations)):
-                keeper.keep(tried, self.factor, self.remember())
+                keeper.keep(tried, self.factor, self.remember)
                 if keeper.stopping:
                     return keeper.interrupted(f"load factor {self.factor:.6g}")
             reach, share = self.reach, self.share

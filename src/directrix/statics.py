@@ -224,7 +224,7 @@ class _LoadSteps:
         newton, disc, steps = self.newton, self.newton.disc, self.steps
         while self.factor < 1.0:
             if keeper.due(tried := len(self.recorder.iterations)):
-                keeper.keep(tried, self.factor, self.remember())
+                keeper.keep(tried, self.factor, self.remember)
                 if keeper.stopping:
                     return keeper.interrupted(f"load factor {self.factor:.6g}")
             done, reach = self.factor, self.reach
@@ -254,7 +254,7 @@ class _LoadSteps:
             if factor == goal and round(factor * steps) % self.save_every == 0:
                 self._keep()
             progress(factor, line("load factor", factor, self.recorder.iterations, cuts=self.cuts))
-        keeper.keep(len(self.recorder.iterations), self.factor, self.remember(), done=True)
+        keeper.keep(len(self.recorder.iterations), self.factor, self.remember, done=True)
         cut = f", {self.cuts} of them cut" if self.cuts else ""
         return Status("done", f"reached load factor 1 in {len(self.recorder.iterations)} steps{cut}.")
 

@@ -103,12 +103,13 @@ class Keeper:
         every = self.options.steps
         return NEVER if every is None or self.folder is None else every - steps % every
 
-    def keep(self, steps: int, t: float, memory: Mapping[str, Any], *, done: bool = False) -> None:
-        """Seal what was recorded and make a checkpoint. Raises InputError when that cannot be written."""
+    def keep(self, steps: int, t: float, memory: Callable[[], Mapping[str, Any]], *, done: bool = False) -> None:
+        """Seal what was recorded and make a checkpoint of what ``memory`` then gives. Raises InputError when that
+        cannot be written."""
         if self.folder is None:
             return
         try:
-            self._keep(self.folder, steps, t, memory, done)
+            self._keep(self.folder, steps, t, memory(), done)
         except InputError as error:
             self.refused = error
             raise
