@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Literal, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +24,27 @@ from directrix.steplog import Log
 
 Array = NDArray[np.float64]
 
-__all__ = ["Feed", "Progress", "Recorder", "feed_of"]
+__all__ = ["Feed", "Instants", "Progress", "Recorder", "feed_of"]
 
 Progress = Callable[[float, str], None]
 EACH = 200
 """Bytes that an array takes beside its values."""
+
+
+class Instants(NamedTuple):
+    """Instants to be saved, k of them: times and load factors (k,), positions ``r`` (k, n, 3) of states ``x``
+    (k, ≥ n, 40), totals (k, 11), strains (k, stations, 6), reactions (k, n, 6) and what joints do (k, joints, ≥ 6) as
+    in ``Books``; ``ledger`` (k, …) as :meth:`Recorder.keep` has it."""
+
+    t: Array
+    factor: Array
+    r: Array
+    x: Array
+    totals: Array
+    strains: Array
+    reaction: Array
+    joints: Array
+    ledger: Array
 
 
 class Feed(Protocol):
@@ -64,15 +80,16 @@ class Recorder:
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
         self.rows: list[dict[str, Array]] = []
+        """Blocks of instants."""
         self.log = Log()
         self.iterations = self.log.iterations
-        self.away = self.steps_away = self.size = 0
+        self.away = self.kept = self.steps_away = self.size = 0
         self.started = time.perf_counter()
 
     @property
     def count(self) -> int:
         """Rows so far."""
-        return self.away + len(self.rows)
+        return self.away + self.kept
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
@@ -80,38 +97,53 @@ class Recorder:
         ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated; by source
         what was dissipated and the work.
         """
-        n = len(r)
-        turns, spins = (x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1) for a in (3, 27))
-        if self.feed is not None:
-            instant = {"t": np.array(t), "r": r, "R": turns, "v": x[:n, 24:27], "strain": books.strains}
-            self.feed.keep(self.disc, self.kind, {**instant, "totals": books.totals, "work": np.array(ledger[0])})
+        clock, booked = np.array([[t, factor]]), np.array([ledger])
+        totals, strains, reaction, joints = books.totals, books.strains, books.reaction, books.joints
+        of = (r, x, totals, strains, reaction, joints)
+        self.keep_all(Instants(clock[:, 0], clock[:, 1], *(value[None] for value in of), booked))
+
+    def keep_all(self, of: Instants) -> None:
+        """Save instants that follow one another."""
+        count, n = of.r.shape[:2]
+        turns, spins = (of.x[:, :n, a : a + 9].reshape(count, n, 3, 3).transpose(0, 1, 3, 2) for a in (3, 27))
         row = {
-            "scalars": np.array([t, factor, *ledger]), "totals": books.totals,
-            "r": r, "R": turns, "v": x[:n, 24:27], "Rdot": spins,
-            "reaction": books.reaction, "strain": books.strains,
-            "history": x[n:, :HISTORY], "joints": books.joints[:, :6],
+            "scalars": np.concatenate([np.stack([of.t, of.factor], -1), of.ledger], -1), "totals": of.totals,
+            "r": of.r, "R": turns, "v": of.x[:, :n, 24:27], "Rdot": spins,
+            "reaction": of.reaction, "strain": of.strains,
+            "history": of.x[:, n:, :HISTORY], "joints": of.joints[..., :6],
         }  # fmt: skip
-        self.live.write(t, r, x[:n, 24:27], books.strains, lambda: self._pulled(books.strains, row["scalars"]))
+        if self.feed is not None or self.live.points:
+            for k in range(count):
+                self._show({name: value[k] for name, value in row.items()})
         if not self.parts.whole:  # what follows from all of a state has to be found out now
-            row |= self._derived({name: value[None] for name, value in row.items()}, first=True)
+            row |= self._derived(row)
         self.rows.append({name: value.copy() for name, value in self.parts.of(row).items()})
+        self.kept += count
         self.size += sum(value.nbytes + EACH for value in self.rows[-1].values())
+
+    def _show(self, row: Mapping[str, Array]) -> None:
+        """An instant to whoever looks on while the run goes on."""
+        t, work = row["scalars"][0], row["scalars"][2]
+        if self.feed is not None:
+            instant = {name: row[name] for name in ("r", "R", "v", "strain", "totals")}
+            self.feed.keep(self.disc, self.kind, {"t": np.array(t), **instant, "work": np.array(work)})
+        self.live.write(t, row["r"], row["v"], row["strain"], lambda: self._pulled(row["strain"], row["scalars"]))
 
     def take(self) -> dict[str, Any]:
         """Rows and iterations since the last time, to be put where ``earlier`` of :meth:`result` finds them."""
         return {
-            "rows": len(self.rows), "iterations": np.array(self.iterations[self.steps_away :], np.int64),
+            "rows": self.kept, "iterations": np.array(self.iterations[self.steps_away :], np.int64),
             **(_stacked(self.rows) if self.rows else {}),
         }  # fmt: skip
 
     def forget(self) -> None:
         """What was taken is safe."""
         self.away, self.steps_away, self.size = self.count, len(self.iterations), 0
-        self.rows = []
+        self.rows, self.kept = [], 0
 
     def go_on(self, earlier: Iterable[Mapping[str, Any]]) -> None:
         """Begin again behind what ``earlier`` gives, as :meth:`take` gave it."""
-        self.rows, self.away, self.size = [], 0, 0
+        self.rows, self.away, self.kept, self.size = [], 0, 0, 0
         del self.iterations[:]
         for part in earlier:
             self.away += part["rows"]
@@ -134,7 +166,7 @@ class Recorder:
         if not self.parts.whole:
             columns |= {f"link {name}": value for name, value in result.links.items()}
             columns |= {f"contact {name}": value for name, value in result.contacts.items()}
-        self.rows = [{name: value[k].copy() for name, value in columns.items()} for k in range(rows)]
+        self.rows, self.kept = [{name: value[:rows].copy() for name, value in columns.items()}], rows
         self.iterations.extend(result.iterations[:steps].tolist())
         self.live.go_on(rows)
 
@@ -146,7 +178,7 @@ class Recorder:
         dt, cuts = self.log.arrays()
         found: dict[str, Array] = {}
         first = 0
-        waiting = [{"rows": len(self.rows), **_stacked(self.rows)}] if self.rows else []
+        waiting = [{"rows": self.kept, **_stacked(self.rows)}] if self.rows else []
         for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
             last = first + part["rows"]
             for name in part.keys() - {"rows", "iterations"}:
@@ -192,16 +224,14 @@ class Recorder:
         """Section forces (stations, 6) of one instant."""
         return self.disc.section_force(self._stressed(strain[None], scalars[None]))[0]
 
-    def _derived(self, of: Mapping[str, Array], first: bool = False) -> dict[str, Array]:
-        """Section forces, energy densities, links and contacts of rows (nt, …); of the ``first`` alone without its
-        axis."""
+    def _derived(self, of: Mapping[str, Array]) -> dict[str, Array]:
+        """Section forces, energy densities, links and contacts of rows (nt, …)."""
         stressed = self._stressed(of["strain"], of["scalars"])
         links = self.disc.link_states(of["r"], of["R"])
         contacts = self.disc.contact_states(of["r"])
         found = {"force": self.disc.section_force(stressed), "density": self.disc.stored_density(stressed)}
         found |= {f"link {name}": state for name, state in links.items()}
-        found |= {f"contact {name}": state for name, state in contacts.items()}
-        return {name: value[0] for name, value in found.items()} if first else found
+        return found | {f"contact {name}": state for name, state in contacts.items()}
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:
         sources = self.disc.sources
@@ -223,7 +253,7 @@ class Recorder:
 
 
 def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    return {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
 
 
 def _named(found: Mapping[str, Array], kind: str) -> dict[str, Array]:
