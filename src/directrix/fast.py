@@ -55,17 +55,22 @@ class Fast:
         self.energy = self.loss = 0.0
         self.before = 0
 
+    def room(self, before: int) -> int:
+        """Steps that are taken at once, ``before`` having been taken."""
+        return min(self.strips.many, FOLLOW - before % FOLLOW)
+
     def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks, before: int) -> Taken:
-        """Take up to ``count`` steps and book them, ``before`` having been taken: those that converged."""
-        count, self.before = min(count, FOLLOW - before % FOLLOW), before
+        """Take ``count`` steps, as far as there is :meth:`room`, under loads (count, n, 12), or (1, n, 12) that are
+        steady; book those that converged."""
+        self.before = before
         if not self.inside:
             self.strips.pack(x)
             self.inside = True
         if external is not self.loaded:
-            self.strips.set_load(external)
+            self.strips.set_loads(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), RESULTS))
+        self.results = np.zeros((min(count, self.room(before)), RESULTS))
         self.strips.run(self.results, before)
         return self.settle(ledger)
 

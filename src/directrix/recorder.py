@@ -182,6 +182,9 @@ class Recorder:
         for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
             last = first + part["rows"]
             for name in part.keys() - {"rows", "iterations"}:
+                if part["rows"] == self.count:  # that is all there is
+                    found[name] = part[name]
+                    continue
                 if name not in found:
                     found[name] = np.empty((self.count, *part[name].shape[1:]))
                 found[name][first:last] = part[name]

@@ -91,6 +91,16 @@ class Joints(Record):
     loss: Array
 
 
+class Loads(Record):
+    """What acts in the steps to come, one of them or one for all: on the strips as their ``load``, on the nodes where
+    parts meet (k, …, 6), and the largest force and moment (k, 2)."""
+
+    main: Array
+    rest: Array
+    joints: Array
+    largest: Array
+
+
 class Shots(Record):
     """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``main`` and ``rest`` are the nodes of
     the strips, ``frames`` and ``fixed`` those of all nodes."""
@@ -185,21 +195,23 @@ class Strips:
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
         self.many = max(1, min(MOST, ELEMENTS // len(order)))
+        rows = self.many if any(load.varies for load in disc.loads) else 1
+        sizes = [(part.strip.load.size,) for part in self.parts]
+        self.loads = Loads(*(np.zeros((rows, *size)) for size in (*sizes, (len(self.joints), 6), (2,))))
         room = -(-self.many // every)
         self.shots = Shots(
             every, np.zeros((room, disc.rows, PER_NODE)), np.zeros((room, disc.nodes, 6)), self.frames,
             disc.fixed.astype(np.uint8), *(part.nodes[:, : part.strip.lanes].copy() for part in self.parts),
         )  # fmt: skip
 
-    def set_load(self, external: Array) -> None:
-        """The loads (n, 12) that act in the next steps."""
-        dead = np.ascontiguousarray(external[:, :6])
-        for part in self.parts:
-            strip = part.strip
-            strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
-            strip.first_load[6 * LANES :] = strip.load[6 * LANES : strip.first_load.size]
-        self.work.load[:] = dead[self.joints]
-        self.work.largest[:] = np.abs(dead[:, :3]).max(), np.abs(dead[:, 3:]).max()
+    def set_loads(self, external: Array) -> None:
+        """The loads (k, n, 12) of the next steps; where they are steady, of all (1, n, 12)."""
+        dead = external[..., :6]
+        for part, out in zip(self.parts, (self.loads.main, self.loads.rest), strict=True):
+            out[: len(dead)] = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
+        self.loads.joints[: len(dead)] = dead[:, self.joints]
+        for column in (0, 1):
+            self.loads.largest[: len(dead), column] = np.abs(dead[..., 3 * column : 3 * column + 3]).max(axis=(1, 2))
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
@@ -220,7 +232,7 @@ class Strips:
         """Take a step for every row of ``results``, or as many as converge, ``before`` having been taken; see
         :func:`kernels.strips.run`."""
         main, rest = (part.strip for part in self.parts)
-        kernel.run(self.code, main, rest, self.g, self.work, self.options, results, self.shots, before)
+        kernel.run(self.code, main, rest, self.g, self.work, self.options, results, self.loads, self.shots, before)
 
     def reaction(self, out: Array) -> Array:
         """The support forces of the last step (n, 6)."""

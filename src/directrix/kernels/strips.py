@@ -307,11 +307,32 @@ def shoot(s, nodes, shots, k):
     _react(s, nodes, shots.fixed, shots.reaction[k])
 
 
+@inner
+def _load(s, values):
+    """The loads of a step, on a strip."""
+    for k in range(values.shape[0]):
+        s.load[k] = values[k]
+    for k in range(SIX, s.first_load.shape[0]):
+        s.first_load[k] = s.load[k]
+
+
+@inner
+def _loads(main, rest, w, loads, k):
+    _load(main, loads.main[k])
+    _load(rest, loads.rest[k])
+    for a in range(w.load.shape[0]):
+        for i in range(6):
+            w.load[a, i] = loads.joints[k, a, i]
+    for i in range(2):
+        w.largest[i] = loads.largest[k, i]
+
+
 @compiled
-def run(code, main, rest, g, w, options, results, shots, before):
+def run(code, main, rest, g, w, options, results, loads, shots, before):
     """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
 
-    ``before`` steps were taken already; of every ``shots.every``-th the state and the reactions are kept.
+    ``before`` steps were taken already; of every ``shots.every``-th the state and the reactions are kept. ``loads``
+    have a row for every step, or one for all.
 
     A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
     orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
@@ -320,6 +341,8 @@ def run(code, main, rest, g, w, options, results, shots, before):
     """
     kept = 0
     for k in range(results.shape[0]):
+        if k < loads.main.shape[0]:
+            _loads(main, rest, w, loads, k)
         for part in range(2):
             _keep(main if part == 0 else rest, False)
         row = results[k]
