@@ -25,7 +25,7 @@ from directrix.result import Result, Status
 from directrix.scheme import Rates
 from directrix.state import has_history, initial_state, place_supports, stand
 from directrix.statics import PATIENCE
-from directrix.stepping import Adaptive, stepping
+from directrix.stepping import Adaptive, Fixed, stepping
 
 __all__ = ["Asked", "Motion", "refuse_damping"]
 
@@ -83,7 +83,8 @@ class Motion:
             newton.accelerate(x, self.external)
         self.acting = newton.applied(x, self.external)
         parts = Parts(disc.mesh, asked.keep)
-        self.recorder = Recorder(disc, "dynamic", parts, asked.record, feed_of(asked.progress))
+        expected = self.pace.steps // self.save_every + 2 if isinstance(self.pace, Fixed) else 16
+        self.recorder = Recorder(disc, "dynamic", parts, asked.record, feed_of(asked.progress), expected)
         self.books = newton.books(x)
         self.ledger = DynamicBooks(disc, integrator, self.books)
         self.recorder.keep(t0, 1.0, newton.positions(x), x, self.books, self.ledger.flows)

@@ -17,6 +17,7 @@ from directrix import points
 from directrix.audit import Audit
 from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
+from directrix.growing import Growing
 from directrix.newton import Books
 from directrix.parts import Parts
 from directrix.result import Energy, Momentum, Result, Status
@@ -27,8 +28,6 @@ Array = NDArray[np.float64]
 __all__ = ["Feed", "Instants", "Progress", "Recorder", "feed_of"]
 
 Progress = Callable[[float, str], None]
-EACH = 200
-"""Bytes that an array takes beside its values."""
 
 
 class Instants(NamedTuple):
@@ -62,7 +61,8 @@ def feed_of(progress: object) -> Feed | None:
 
 
 class Recorder:
-    """Grows one row per saved instant; arrays are copied, so the solver may reuse its own.
+    """Grows one row per saved instant, of which so many are ``expected``; arrays are copied, so the solver may reuse
+    its own.
 
     Rows and iterations that were taken away with :meth:`take` come back, through ``earlier``, for the result.
     """
@@ -74,22 +74,22 @@ class Recorder:
         parts: Parts | None = None,
         record: Sequence[points.Recorder] = (),
         feed: Feed | None = None,
+        expected: int = 16,
     ) -> None:
         self.disc, self.feed = disc, feed
         self.parts = Parts(disc.mesh) if parts is None else parts
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
-        self.rows: list[dict[str, Array]] = []
-        """Blocks of instants."""
+        self.rows = Growing(expected)
         self.log = Log()
         self.iterations = self.log.iterations
-        self.away = self.kept = self.steps_away = self.size = 0
+        self.away = self.steps_away = self.size = 0
         self.started = time.perf_counter()
 
     @property
     def count(self) -> int:
         """Rows so far."""
-        return self.away + self.kept
+        return self.away + self.rows.count
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
@@ -117,9 +117,7 @@ class Recorder:
                 self._show({name: value[k] for name, value in row.items()})
         if not self.parts.whole:  # what follows from all of a state has to be found out now
             row |= self._derived(row)
-        self.rows.append({name: value.copy() for name, value in self.parts.of(row).items()})
-        self.kept += count
-        self.size += sum(value.nbytes + EACH for value in self.rows[-1].values())
+        self.size += self.rows.add(self.parts.of(row))
 
     def _show(self, row: Mapping[str, Array]) -> None:
         """An instant to whoever looks on while the run goes on."""
@@ -131,19 +129,18 @@ class Recorder:
 
     def take(self) -> dict[str, Any]:
         """Rows and iterations since the last time, to be put where ``earlier`` of :meth:`result` finds them."""
-        return {
-            "rows": self.kept, "iterations": np.array(self.iterations[self.steps_away :], np.int64),
-            **(_stacked(self.rows) if self.rows else {}),
-        }  # fmt: skip
+        iterations = np.array(self.iterations[self.steps_away :], np.int64)
+        return {"rows": self.rows.count, "iterations": iterations, **self.rows.rows()}
 
     def forget(self) -> None:
         """What was taken is safe."""
         self.away, self.steps_away, self.size = self.count, len(self.iterations), 0
-        self.rows, self.kept = [], 0
+        self.rows.clear()
 
     def go_on(self, earlier: Iterable[Mapping[str, Any]]) -> None:
         """Begin again behind what ``earlier`` gives, as :meth:`take` gave it."""
-        self.rows, self.away, self.kept, self.size = [], 0, 0, 0
+        self.rows.clear()
+        self.away = self.size = 0
         del self.iterations[:]
         for part in earlier:
             self.away += part["rows"]
@@ -166,7 +163,8 @@ class Recorder:
         if not self.parts.whole:
             columns |= {f"link {name}": value for name, value in result.links.items()}
             columns |= {f"contact {name}": value for name, value in result.contacts.items()}
-        self.rows, self.kept = [{name: value[:rows].copy() for name, value in columns.items()}], rows
+        self.rows.clear()
+        self.rows.add({name: value[:rows] for name, value in columns.items()})
         self.iterations.extend(result.iterations[:steps].tolist())
         self.live.go_on(rows)
 
@@ -178,7 +176,7 @@ class Recorder:
         dt, cuts = self.log.arrays()
         found: dict[str, Array] = {}
         first = 0
-        waiting = [{"rows": self.kept, **_stacked(self.rows)}] if self.rows else []
+        waiting = [{"rows": self.rows.count, **self.rows.rows()}]
         for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
             last = first + part["rows"]
             for name in part.keys() - {"rows", "iterations"}:
@@ -253,10 +251,6 @@ class Recorder:
         if not self.disc.model.actuations:
             return strain
         return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
-
-
-def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
-    return {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
 
 
 def _named(found: Mapping[str, Array], kind: str) -> dict[str, Array]:
