@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from directrix import points
+from directrix.accounts import Taken
 from directrix.checks import reporting
-from directrix.errors import ConvergenceError, ModelError
+from directrix.errors import ConvergenceError
 from directrix.failures import explained
-from directrix.fast import Taken, fast_for
+from directrix.fast import fast_for
 from directrix.integrators import Formulation, Integrator
 from directrix.keeping import Folder, Keeper, RunFolder
 from directrix.linear.petsc import Petsc
@@ -28,8 +25,6 @@ from directrix.state import place_supports
 from directrix.stepping import Adaptive, Beat, Fixed, way
 from directrix.telling import every_step, line
 from directrix.threads import one_blas_thread
-
-Array = NDArray[np.float64]
 
 __all__ = ["simulate"]
 
@@ -126,7 +121,6 @@ class _Steps:
         self.newton, self.pace, self.recorder, self.ledger = motion.newton, motion.pace, motion.recorder, motion.ledger
         self.save_every = motion.save_every
         self.x, self.beat, self.books, self.acting = motion.x, motion.beat, motion.books, motion.acting
-        self.external, self.steady = motion.external[None], motion.steady
         self.watched = every_step(motion.asked.progress)
         self.fast = fast_for(self.newton, self.pace, self.save_every) if isinstance(self.pace, Fixed) else None
         self.saved = 0  # steps that are behind what was last kept
@@ -206,30 +200,6 @@ class _Steps:
         text = line("t =", t, log.iterations, cuts=log.failed, energy=energy, error=self.ledger.error(energy))
         self.report(self.pace.fraction(self.beat), text)
 
-    def _load(self, begin: float, end: float) -> Array:
-        """The loads (n, 12) of a step."""
-        at = self.motion.disc.external
-        if self.motion.ends:
-            return at(end)
-        if self.motion.asked.load_rule == "midpoint":
-            return at(0.5 * (begin + end))
-        return 0.5 * (at(begin) + at(end))
-
-    def _loads(self, pace: Fixed, count: int) -> Array:
-        """The loads (k, n, 12) of the next ``count`` steps, or of those before a user's function fails; of steady ones
-        k = 1."""
-        if self.steady:
-            return self.external
-        times, out = pace.times(self.beat.k + np.arange(count + 1)).tolist(), list[Array]()
-        for begin, end in pairwise(times):
-            try:
-                out.append(self._load(begin, end))
-            except ModelError:
-                if not out:
-                    raise
-                break
-        return np.array(out)
-
     def _many(self, room: int) -> bool:
         """Take steps the fast way, ``room`` at most; False when it took none."""
         if self.fast is None or not isinstance(self.pace, Fixed) or not self.beat.whole:
@@ -238,8 +208,9 @@ class _Steps:
         many = 1 if self.watched else min(room, self.pace.steps - k, self.fast.room(k))
         if self.motion.asked.record:  # what is saved is to be in their files before the next step
             many = min(many, self.save_every - k % self.save_every)
-        external = self._loads(self.pace, many)
-        if self._booked(self.fast.take(self.x, external, many if self.steady else len(external), self.ledger, k)):
+        external = self.motion.loads(self.pace, k, many)
+        many = many if self.motion.steady else len(external)
+        if self._booked(self.fast.take(self.x, external, many, self.ledger, k)):
             self._tell(self.fast.energy)
             return True
         if self.fast.inside:
@@ -272,7 +243,7 @@ class _Steps:
             newton.driver.place(beat.to, 1.0)
         elif newton.driver.varies:
             newton.driver.act(beat.t, beat.to, self.motion.asked.load_rule)
-        external = self.external[0] if self.steady else self._load(beat.t, beat.to)
+        external = self.motion.standing[0] if self.motion.steady else self.motion.load(beat.t, beat.to)
         newton.begin(self.x)
         moved = bool(disc.prescribed or disc.driven) and place_supports(disc, self.x, beat.to)
         outcome = newton.solve(self.x, external, moved)
