@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 __all__ = [
-    "Loads", "Shots", "Strips", "Work", "chain_of", "code_of", "frames_of", "nodes_of", "parameters_of", "strip_of",
-    "strips_for", "work_for",
+    "Loads", "Shots", "Strips", "Work", "chain_of", "code_of", "frames_of", "nodes_of", "parameters_of",
+    "steps_at_once", "strip_of", "strips_for", "work_for",
 ]  # fmt: skip
 
 FEWEST = 8
@@ -155,6 +155,11 @@ def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Arra
     return Strips(disc, scheme, order, options, every)
 
 
+def steps_at_once(elements: int) -> int:
+    """Steps of one call with so many elements."""
+    return max(1, min(MOST, ELEMENTS // elements))
+
+
 def nodes_of(group: Group, order: Ints) -> Ints:
     """The nodes of a chain, one after the other."""
     conn = group.conn[order]
@@ -200,7 +205,7 @@ class Strips:
         self.work = work_for(disc.fixed[self.joints].astype(np.uint8), 2)
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
-        self.many = max(1, min(MOST, ELEMENTS // len(order)))
+        self.many = steps_at_once(len(order))
         rows = self.many if any(load.varies for load in disc.loads) else 1
         sizes = [(part.strip.load.size,) for part in self.parts]
         self.loads = Loads(*(np.zeros((rows, *size)) for size in (*sizes, (len(self.joints), 6), (2,))))
