@@ -26,7 +26,7 @@ from directrix.stepping import Adaptive, Beat, Fixed, way
 from directrix.telling import every_step, line
 from directrix.threads import one_blas_thread
 
-__all__ = ["simulate"]
+__all__ = ["moved", "simulate"]
 
 
 @one_blas_thread()
@@ -100,9 +100,15 @@ def simulate(
         t_end, dt, integrator, formulation, load_rule, start, save_every, keep, tolerance, record, threads, linear,
         progress,
     )  # fmt: skip
-    motion = Motion(model, asked)
+    return moved(Motion(model, asked), folder, raise_on_failure)
+
+
+def moved(
+    motion: Motion, folder: Folder | RunFolder | str | os.PathLike[str] | None = None, raise_on_failure: bool = False
+) -> Result:
+    """Take a motion to its end; see :func:`simulate`."""
     keeper = Keeper(folder, motion.recorder, "" if folder is None else motion.fingerprint())
-    steps = _Steps(motion, reporting(progress))
+    steps = _Steps(motion, reporting(motion.asked.progress))
     if keeper.memory is not None:
         steps.recall(keeper.memory)
     status = keeper.attend(lambda: steps.go(keeper), steps.broken_off)
