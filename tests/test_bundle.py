@@ -88,19 +88,23 @@ def test_a_member_computes_what_simulate_computes(name: str) -> None:
         assert one.info.keys() == alone.info.keys() and one.links.keys() == alone.links.keys()
 
 
+def thrown(model: dx.Model, by: float) -> dx.Model:
+    """A member that needs more iterations, more new tangents and large turns."""
+    return model.moment("B", lambda t: (0.0, by * np.sin(40.0 * t), 0.5 * by))
+
+
 @pytest.mark.parametrize("name", ["flight", "held"])
 def test_no_bit_depends_on_who_is_beside_a_member(name: str) -> None:
-    make, options = KINDS[name], {"t_end": 0.7, "dt": 0.01}
-    alone = dx.ensemble([make(1.0)], **options)[0]
-    # one that is thrown about needs more iterations and new tangents, in every step
-    wild = make(0.0).moment("B", lambda t: (0.0, 0.3 * np.sin(40.0 * t), 0.2))
-    beside = dx.ensemble([wild, make(9.0), make(1.0), make(-3.0)], **options)
-    assert beside.success and np.any(beside[0].iterations > beside[2].iterations)
+    make, options = KINDS[name], {"t_end": 0.7, "dt": 0.02}
+    alone = [dx.ensemble([thrown(make(1.0), by)], **options)[0] for by in (0.0, 0.1, 0.3)]
+    beside = dx.ensemble([thrown(make(1.0), by) for by in (0.1, 0.2, 0.0, 0.3)], **options)
+    assert beside.success and np.any(beside[3].iterations > beside[2].iterations)
     with ThreadPoolExecutor(2) as pool:
-        elsewhere = dx.ensemble([make(5.0), make(1.0), make(1.0)], **options, batch=2, executor=pool)
-    for one in (beside[2], elsewhere[1], elsewhere[2]):
-        assert same(one, alone)
-    assert not same(beside[0], alone)
+        models = [make(5.0), thrown(make(1.0), 0.1), make(1.0)]
+        elsewhere = dx.ensemble(models, **options, batch=2, executor=pool)
+    for one, k in ((beside[2], 0), (beside[0], 1), (beside[3], 2), (elsewhere[1], 1), (elsewhere[2], 0)):
+        assert same(one, alone[k])
+        assert not same(one, alone[k - 1])
 
 
 def test_a_member_that_does_not_converge_is_run_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
