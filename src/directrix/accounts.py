@@ -23,9 +23,12 @@ are taken in a call, since it changes the rounding of those that follow."""
 
 
 class Chain(Protocol):
-    """The lanes, as their books need them. Of every ``every``-th step there is the state."""
+    """The lanes, as their books need them."""
 
-    every: int
+    @property
+    def every(self) -> int:
+        """Of so many steps the state of one is there."""
+        ...
 
     def states(self, count: int) -> tuple[Array, Array]:
         """The first states (count, ≥ n, 40) of the last call, and reactions (count, n, 6)."""

@@ -293,7 +293,7 @@ def _part(
 
 def strip_of(stride: int, lanes: int, p: Array, held: NDArray[np.bool_], own: Array, *, whole: bool) -> Strip:
     """A strip with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and the nodes that are booked."""
-    many, size = p.shape[:2]
+    many, size = int(p.shape[0]), int(p.shape[1])
     free: Array = np.where(held, 0.0, 1.0)
     still = free.copy()
     still[:, 3:] = 0.0
