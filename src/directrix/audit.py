@@ -156,19 +156,23 @@ class DynamicBooks:
             self.given = max(self.given, -float(books.taken.min()))
         self.turn.add(books.totals)
 
-    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> None:
+    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> list[tuple[float, ...]]:
         """Book several steps of length ``dt``: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as
         in ``Books``, ``acting`` (m, 2) the size of the forces and moments that act from outside, cancelling or not.
+        Gives ``flows`` after each of them, but for what is booked by source.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """
+        so_far: list[tuple[float, ...]] = []
         for row in flow[:, (0, 1, 8, 9)].tolist():
             self.work += row[0] + row[1] + row[3]
             self.prescribed += row[1]
             self.dissipated += row[2]
+            so_far.append((self.work, self.prescribed, self.dissipated))
         self.waiting.append((totals, flow, acting, np.full((len(flow), 1), dt)))
         if len(self.waiting) >= 512:
             self._settle()
+        return so_far
 
     def _settle(self) -> None:
         if not self.waiting:
