@@ -49,7 +49,7 @@ def bent(k: float) -> dx.Model:
 
 
 def stub(k: float) -> dx.Model:
-    return rod(k, 1).clamp("A").gravity((0, 0, -9.81))
+    return rod(k, 1).clamp("A").gravity((0, 0, -1.0))
 
 
 KINDS: dict[str, Callable[[float], dx.Model]] = {f.__name__: f for f in (flight, swing, cantilever, held, bent, stub)}
