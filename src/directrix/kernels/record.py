@@ -21,7 +21,8 @@ DATA = 40  # where NumPy's array interface in C has the address: behind five int
 
 def address(array: np.ndarray[Any, Any]) -> int:
     """Where the first item of an array is. ``array.ctypes.data`` says the same and takes many times longer."""
-    return ctypes.c_void_p.from_address(_capsule(array.__array_struct__, None) + DATA).value or 0
+    interface = array.__array_struct__  # what it points to goes with it
+    return ctypes.c_void_p.from_address(_capsule(interface, None) + DATA).value or 0
 
 
 @dataclass_transform(frozen_default=True)
