@@ -17,7 +17,7 @@ __all__ = ["Cost", "cost"]
 BASE, CHAIN, FRAME = 3e-4, 4e-6, 25e-6  # seconds
 ITERATIONS = {"dynamics": 3, "statics": 5}
 PROGRAM = 250e6  # bytes of the program itself
-FIRST = 20  # seconds that compilers take the first time
+FIRST = 10  # seconds that compilers take the first time
 
 
 @dataclass(frozen=True)
