@@ -169,6 +169,18 @@ def test_a_heavy_rod_off_its_axis_turns_it() -> None:
     np.testing.assert_allclose(result.node("root").reaction[-1][[2, 3]], [weight, 0.1 * weight], rtol=1e-3)
 
 
+@pytest.mark.parametrize("rival", [dx.SimoVuQuoc(), dx.CrisfieldJelenic()])
+def test_rivals_bend_a_rod_whose_mass_is_off_its_axis(rival: object) -> None:
+    model = cantilever(dx.Section.rectangle(0.02, 0.03, **STEEL).offset(0.1, 0.0))
+    one, other = (
+        dx.solve_static(model.force("tip", (0, 100, 50)), steps=1, formulation=f, raise_on_failure=True)
+        for f in (None, rival)
+    )
+    np.testing.assert_allclose(other.node("tip").displacement, one.node("tip").displacement, rtol=1e-4, atol=1e-9)
+    with pytest.raises(dx.ModelError, match="off its axis"):
+        dx.solve_static(model.gravity((0, 0, -9.81)), formulation=rival)
+
+
 def test_what_cannot_be_is_refused() -> None:
     plain = dx.Section.rectangle(0.02, 0.03, **STEEL)
     for make, words in (
