@@ -1,9 +1,9 @@
 """What a run is likely to cost, from a rule that is stated: no timing, nothing is run.
 
 An iteration takes 0.3 ms and, for every element, ``order`` times 4 µs in a chain and 25 µs in a frame; twice that in
-statics, where paths look at the stability of what they find. A step of dynamics takes 3 iterations, one of statics 5. The
-constants are those of one core of a common processor. Contacts, cuts and hard steps are not in it, so it is good to a
-factor of about three. What is kept is a state of 40 numbers a node and 12 a station.
+statics, where paths look at the stability of what they find. A step of dynamics takes 3 iterations, one of statics 5.
+The constants are those of one core of a common processor. Contacts, cuts and hard steps are not in it, so it is good to
+a factor of about three. What is kept is a state of 40 numbers a node and 12 a station.
 """
 
 from __future__ import annotations
