@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation
 from directrix.formulations.directors import DirectorStep
+from directrix.formulations.layout import PER_NODE
 from directrix.groups import Group
 from directrix.kernels import rows
 from directrix.kernels import strips as kernel
@@ -32,6 +33,8 @@ __all__ = ["Strips", "strips_for"]
 
 FEWEST = 8
 """Elements from which on lanes are used."""
+MOST, ELEMENTS = 64, 50_000
+"""Steps of a call, and steps times elements: some 50 ms, after which progress and signals are looked at again."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
@@ -88,6 +91,29 @@ class Joints(Record):
     loss: Array
 
 
+class Loads(Record):
+    """What acts in the steps to come, one of them or one for all: on the strips as their ``load``, on the nodes where
+    parts meet (k, …, 6), and the largest force and moment (k, 2)."""
+
+    main: Array
+    rest: Array
+    joints: Array
+    largest: Array
+
+
+class Shots(Record):
+    """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``main`` and ``rest`` are the nodes of
+    the strips, ``frames`` and ``fixed`` those of all nodes."""
+
+    every: int
+    x: Array
+    reaction: Array
+    frames: Array
+    fixed: NDArray[np.uint8]
+    main: Ints
+    rest: Ints
+
+
 class Part(NamedTuple):
     """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES), ``members`` (elements, LANES)."""
 
@@ -107,8 +133,8 @@ def _chain(disc: Discretisation) -> Ints | None:
     return np.argsort(-ends[:, 0]) if np.all(steps == -1) else None
 
 
-def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
-    """The fast way for a model, or None.
+def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array, every: int = 1) -> Strips | None:
+    """The fast way for a model, or None. Every ``every``-th state is kept.
 
     It takes one chain of at least FEWEST linear or quadratic elements of one kind that all point one way, a midpoint
     step without damping, supports that stay and loads that keep their direction."""
@@ -127,7 +153,7 @@ def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Arra
         return None
     if any(load.first >= 6 for load in disc.loads):
         return None
-    return Strips(disc, scheme, group, order, options)
+    return Strips(disc, scheme, group, order, options, every)
 
 
 def _frames(group: Group, nodes: int) -> Array:
@@ -145,7 +171,9 @@ def _frames(group: Group, nodes: int) -> Array:
 class Strips:
     """A chain in lanes: its state is packed, taken through steps and unpacked."""
 
-    def __init__(self, disc: Discretisation, scheme: Scheme, group: Group, order: Ints, options: Array) -> None:
+    def __init__(
+        self, disc: Discretisation, scheme: Scheme, group: Group, order: Ints, options: Array, every: int
+    ) -> None:
         self.frames = _frames(group, disc.nodes)
         aligned = not np.array_equal(self.frames, np.broadcast_to(np.eye(3), self.frames.shape))
         self.code = _code(group, aligned)
@@ -166,17 +194,24 @@ class Strips:
         self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
-        self.many = max(1, min(256, 100_000 // len(order)))
+        self.many = max(1, min(MOST, ELEMENTS // len(order)))
+        rows = self.many if any(load.varies for load in disc.loads) else 1
+        sizes = [(part.strip.load.size,) for part in self.parts]
+        self.loads = Loads(*(np.zeros((rows, *size)) for size in (*sizes, (len(self.joints), 6), (2,))))
+        room = -(-self.many // every)
+        self.shots = Shots(
+            every, np.zeros((room, disc.rows, PER_NODE)), np.zeros((room, disc.nodes, 6)), self.frames,
+            disc.fixed.astype(np.uint8), *(part.nodes[:, : part.strip.lanes].copy() for part in self.parts),
+        )  # fmt: skip
 
-    def set_load(self, external: Array) -> None:
-        """The loads (n, 12) that act in the next steps."""
-        dead = np.ascontiguousarray(external[:, :6])
-        for part in self.parts:
-            strip = part.strip
-            strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
-            strip.first_load[6 * LANES :] = strip.load[6 * LANES : strip.first_load.size]
-        self.work.load[:] = dead[self.joints]
-        self.work.largest[:] = np.abs(dead[:, :3]).max(), np.abs(dead[:, 3:]).max()
+    def set_loads(self, external: Array) -> None:
+        """The loads (k, n, 12) of the next steps; where they are steady, of all (1, n, 12)."""
+        dead = external[..., :6]
+        for part, out in zip(self.parts, (self.loads.main, self.loads.rest), strict=True):
+            out[: len(dead)] = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
+        self.loads.joints[: len(dead)] = dead[:, self.joints]
+        for column in (0, 1):
+            self.loads.largest[: len(dead), column] = np.abs(dead[..., 3 * column : 3 * column + 3]).max(axis=(1, 2))
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
@@ -193,10 +228,11 @@ class Strips:
         for part in self.parts:
             part.strip.x.reshape(-1, rows.NODE, LANES)[:, :3] -= by[:, None]
 
-    def run(self, results: Array) -> None:
-        """Take a step for every row of ``results``, or as many as converge; see :func:`kernels.strips.run`."""
+    def run(self, results: Array, before: int = 0) -> None:
+        """Take a step for every row of ``results``, or as many as converge, ``before`` having been taken; see
+        :func:`kernels.strips.run`."""
         main, rest = (part.strip for part in self.parts)
-        kernel.run(self.code, main, rest, self.g, self.work, self.options, results)
+        kernel.run(self.code, main, rest, self.g, self.work, self.options, results, self.loads, self.shots, before)
 
     def reaction(self, out: Array) -> Array:
         """The support forces of the last step (n, 6)."""

@@ -259,43 +259,6 @@ def close(code, s, g, w):
 
 
 @compiled
-def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
-
-    A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
-    iterations. When a step does not converge the state
-    is that at its start.
-    """
-    for k in range(results.shape[0]):
-        for part in range(2):
-            _keep(main if part == 0 else rest, False)
-        row = results[k]
-        _zero(row)
-        iterations, tangents = _iterate(code, main, rest, g, w, options, row)
-        if iterations == 0:
-            for part in range(2):
-                _keep(main if part == 0 else rest, True)
-            return k
-        row[ITERATIONS], row[TANGENTS] = iterations, tangents
-        _zero(w.sums)
-        _zero(w.loss)
-        for part in range(2):
-            s = main if part == 0 else rest
-            _ends(s, part * main.lanes, w, True)
-            close(code, s, g, w)
-            for lane in range(s.lanes):
-                for c in range(8):
-                    row[BOOKS + c] += w.books[c * LANES + lane]
-        for lane in range(LANES):
-            for c in range(7):
-                row[WORK + c] += w.sums[c * LANES + lane]
-            row[HELD] += w.sums[7 * LANES + lane]
-            row[LOSS] = max(row[LOSS], w.loss[lane])
-    return results.shape[0]
-
-
-@compiled
 def pack(lanes, nodes, frames, x):
     """State rows of ``nodes`` (many, LANES) into lanes; the columns of rotations become those of R times the frame."""
     for i in range(nodes.shape[0]):
@@ -325,3 +288,88 @@ def unpack(lanes, nodes, frames, x):
                         for c in range(3):
                             s += lanes[(NODE * i + part + 3 + 3 * c + k) * LANES + lane] * frames[node, column, c]
                         x[node, part + 3 + 3 * column + k] = s
+
+
+@inner
+def _react(s, nodes, fixed, out):
+    """Forces of the supports on the nodes of a strip in the step that was closed last."""
+    for i in range(nodes.shape[0]):
+        for lane in range(nodes.shape[1]):
+            node = nodes[i, lane]
+            for c in range(6):
+                out[node, c] = -s.res[(6 * i + c) * LANES + lane] if fixed[node, c] else 0.0
+
+
+@inner
+def shoot(s, nodes, shots, k):
+    """The state of a strip and its reactions, as the ``k``-th of ``shots``."""
+    unpack(s.x, nodes, shots.frames, shots.x[k])
+    _react(s, nodes, shots.fixed, shots.reaction[k])
+
+
+@inner
+def _load(s, values):
+    """The loads of a step, on a strip."""
+    for k in range(values.shape[0]):
+        s.load[k] = values[k]
+    for k in range(SIX, s.first_load.shape[0]):
+        s.first_load[k] = s.load[k]
+
+
+@inner
+def _loads(main, rest, w, loads, k):
+    _load(main, loads.main[k])
+    _load(rest, loads.rest[k])
+    for a in range(w.load.shape[0]):
+        for i in range(6):
+            w.load[a, i] = loads.joints[k, a, i]
+    for i in range(2):
+        w.largest[i] = loads.largest[k, i]
+
+
+@compiled
+def run(code, main, rest, g, w, options, results, loads, shots, before):
+    """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
+
+    ``before`` steps were taken already; of every ``shots.every``-th the state and the reactions are kept. ``loads``
+    have a row for every step, or one for all.
+
+    A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
+    orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
+    iterations. When a step does not converge the state
+    is that at its start.
+    """
+    kept = 0
+    for k in range(results.shape[0]):
+        if k < loads.main.shape[0]:
+            _loads(main, rest, w, loads, k)
+        for part in range(2):
+            _keep(main if part == 0 else rest, False)
+        row = results[k]
+        _zero(row)
+        iterations, tangents = _iterate(code, main, rest, g, w, options, row)
+        if iterations == 0:
+            for part in range(2):
+                _keep(main if part == 0 else rest, True)
+            return k
+        row[ITERATIONS], row[TANGENTS] = iterations, tangents
+        _zero(w.sums)
+        _zero(w.loss)
+        for part in range(2):
+            s = main if part == 0 else rest
+            _ends(s, part * main.lanes, w, True)
+            close(code, s, g, w)
+            for lane in range(s.lanes):
+                for c in range(8):
+                    row[BOOKS + c] += w.books[c * LANES + lane]
+        for lane in range(LANES):
+            for c in range(7):
+                row[WORK + c] += w.sums[c * LANES + lane]
+            row[HELD] += w.sums[7 * LANES + lane]
+            row[LOSS] = max(row[LOSS], w.loss[lane])
+        if (before + k + 1) % shots.every == 0:
+            # of a node that is in both strips the main one has the last word
+            shoot(rest, shots.rest, shots, kept)
+            shoot(main, shots.main, shots, kept)
+            kept += 1
+    return results.shape[0]

@@ -109,7 +109,6 @@ class Case:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         self.model.check()  # before the solvers are imported, which takes longer
         from directrix.discretisation import discretise
-
         do = self.analysis
         if isinstance(do, Statics):
             from directrix.diagnosis import examine, refuse
@@ -119,7 +118,7 @@ class Case:
             disc = discretise(self.model, scheme)
             refuse(examine(disc, scheme))
             return disc
-        from directrix.dynamics import refuse_damping
+        from directrix.motion import refuse_damping
         from directrix.stepping import stepping
 
         refuse_damping(self.model, self._integrator(do))
