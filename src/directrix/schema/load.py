@@ -109,6 +109,7 @@ class Case:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         self.model.check()  # before the solvers are imported, which takes longer
         from directrix.discretisation import discretise
+
         do = self.analysis
         if isinstance(do, Statics):
             from directrix.diagnosis import examine, refuse
