@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from directrix import points
+from directrix.accounts import Taken
 from directrix.checks import reporting
-from directrix.errors import ConvergenceError, ModelError
+from directrix.errors import ConvergenceError
 from directrix.failures import explained
-from directrix.fast import Taken, fast_for
+from directrix.fast import fast_for
 from directrix.integrators import Formulation, Integrator
 from directrix.keeping import Folder, Keeper, RunFolder
 from directrix.linear.petsc import Petsc
@@ -29,9 +26,7 @@ from directrix.stepping import Adaptive, Beat, Fixed, way
 from directrix.telling import every_step, line
 from directrix.threads import one_blas_thread
 
-Array = NDArray[np.float64]
-
-__all__ = ["simulate"]
+__all__ = ["moved", "simulate"]
 
 
 @one_blas_thread()
@@ -105,9 +100,15 @@ def simulate(
         t_end, dt, integrator, formulation, load_rule, start, save_every, keep, tolerance, record, threads, linear,
         progress,
     )  # fmt: skip
-    motion = Motion(model, asked)
+    return moved(Motion(model, asked), folder, raise_on_failure)
+
+
+def moved(
+    motion: Motion, folder: Folder | RunFolder | str | os.PathLike[str] | None = None, raise_on_failure: bool = False
+) -> Result:
+    """Take a motion to its end; see :func:`simulate`."""
     keeper = Keeper(folder, motion.recorder, "" if folder is None else motion.fingerprint())
-    steps = _Steps(motion, reporting(progress))
+    steps = _Steps(motion, reporting(motion.asked.progress))
     if keeper.memory is not None:
         steps.recall(keeper.memory)
     status = keeper.attend(lambda: steps.go(keeper), steps.broken_off)
@@ -126,7 +127,6 @@ class _Steps:
         self.newton, self.pace, self.recorder, self.ledger = motion.newton, motion.pace, motion.recorder, motion.ledger
         self.save_every = motion.save_every
         self.x, self.beat, self.books, self.acting = motion.x, motion.beat, motion.books, motion.acting
-        self.external, self.steady = motion.external[None], motion.steady
         self.watched = every_step(motion.asked.progress)
         self.fast = fast_for(self.newton, self.pace, self.save_every) if isinstance(self.pace, Fixed) else None
         self.saved = 0  # steps that are behind what was last kept
@@ -206,30 +206,6 @@ class _Steps:
         text = line("t =", t, log.iterations, cuts=log.failed, energy=energy, error=self.ledger.error(energy))
         self.report(self.pace.fraction(self.beat), text)
 
-    def _load(self, begin: float, end: float) -> Array:
-        """The loads (n, 12) of a step."""
-        at = self.motion.disc.external
-        if self.motion.ends:
-            return at(end)
-        if self.motion.asked.load_rule == "midpoint":
-            return at(0.5 * (begin + end))
-        return 0.5 * (at(begin) + at(end))
-
-    def _loads(self, pace: Fixed, count: int) -> Array:
-        """The loads (k, n, 12) of the next ``count`` steps, or of those before a user's function fails; of steady ones
-        k = 1."""
-        if self.steady:
-            return self.external
-        times, out = pace.times(self.beat.k + np.arange(count + 1)).tolist(), list[Array]()
-        for begin, end in pairwise(times):
-            try:
-                out.append(self._load(begin, end))
-            except ModelError:
-                if not out:
-                    raise
-                break
-        return np.array(out)
-
     def _many(self, room: int) -> bool:
         """Take steps the fast way, ``room`` at most; False when it took none."""
         if self.fast is None or not isinstance(self.pace, Fixed) or not self.beat.whole:
@@ -238,8 +214,9 @@ class _Steps:
         many = 1 if self.watched else min(room, self.pace.steps - k, self.fast.room(k))
         if self.motion.asked.record:  # what is saved is to be in their files before the next step
             many = min(many, self.save_every - k % self.save_every)
-        external = self._loads(self.pace, many)
-        if self._booked(self.fast.take(self.x, external, many if self.steady else len(external), self.ledger, k)):
+        external = self.motion.loads(self.pace, k, many)
+        many = many if self.motion.steady else len(external)
+        if self._booked(self.fast.take(self.x, external, many, self.ledger, k)):
             self._tell(self.fast.energy)
             return True
         if self.fast.inside:
@@ -272,7 +249,7 @@ class _Steps:
             newton.driver.place(beat.to, 1.0)
         elif newton.driver.varies:
             newton.driver.act(beat.t, beat.to, self.motion.asked.load_rule)
-        external = self.external[0] if self.steady else self._load(beat.t, beat.to)
+        external = self.motion.standing[0] if self.motion.steady else self.motion.load(beat.t, beat.to)
         newton.begin(self.x)
         moved = bool(disc.prescribed or disc.driven) and place_supports(disc, self.x, beat.to)
         outcome = newton.solve(self.x, external, moved)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from directrix import points
 from directrix.audit import DynamicBooks
@@ -26,6 +30,8 @@ from directrix.scheme import Rates
 from directrix.state import has_history, initial_state, place_supports, stand
 from directrix.statics import PATIENCE
 from directrix.stepping import Adaptive, Fixed, stepping
+
+Array = NDArray[np.float64]
 
 __all__ = ["Asked", "Motion", "refuse_damping"]
 
@@ -78,10 +84,13 @@ class Motion:
         stand(x, disc.nodes)  # supports that begin elsewhere are there: no step took them, and none does its work
         refuse_joints(newton, x, fresh=start is None or start.kind == "static")
         refuse(without_inertia(newton, x))
-        self.external = disc.external(t0)
+        external = disc.external(t0)
         if self.ends and not has_history(start, scheme):
-            newton.accelerate(x, self.external)
-        self.acting = newton.applied(x, self.external)
+            newton.accelerate(x, external)
+        self.standing = external[None]
+        self.steady = not any(load.varies for load in disc.loads)
+        """True when loads stay what they are."""
+        self.acting = newton.applied(x, external)
         parts = Parts(disc.mesh, asked.keep)
         expected = self.pace.steps // self.save_every + 2 if isinstance(self.pace, Fixed) else 16
         self.recorder = Recorder(disc, "dynamic", parts, asked.record, feed_of(asked.progress), expected)
@@ -96,10 +105,29 @@ class Motion:
         """True when loads act at the ends of steps."""
         return self.scheme.rates is Rates.ALPHA
 
-    @property
-    def steady(self) -> bool:
-        """True when loads stay what they are."""
-        return not any(load.varies for load in self.disc.loads)
+    def load(self, begin: float, end: float) -> Array:
+        """The loads (n, 12) of a step."""
+        at = self.disc.external
+        if self.ends:
+            return at(end)
+        if self.asked.load_rule == "midpoint":
+            return at(0.5 * (begin + end))
+        return 0.5 * (at(begin) + at(end))
+
+    def loads(self, pace: Fixed, before: int, count: int) -> Array:
+        """The loads (k, n, 12) of the ``count`` steps behind the first ``before``, or of those of them before a user's
+        function fails; steady ones k = 1. Raises ModelError when it fails in the first."""
+        if self.steady:
+            return self.standing
+        times, out = pace.times(before + np.arange(count + 1)).tolist(), list[Array]()
+        for begin, end in pairwise(times):
+            try:
+                out.append(self.load(begin, end))
+            except ModelError:
+                if not out:
+                    raise
+                break
+        return np.array(out)
 
     def fingerprint(self) -> str:
         """See :func:`directrix.keeping.fingerprint`."""

@@ -97,10 +97,13 @@ class Recorder:
         ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated; by source
         what was dissipated and the work.
         """
-        clock, booked = np.array([[t, factor]]), np.array([ledger])
         totals, strains, reaction, joints = books.totals, books.strains, books.reaction, books.joints
-        of = (r, x, totals, strains, reaction, joints)
-        self.keep_all(Instants(clock[:, 0], clock[:, 1], *(value[None] for value in of), booked))
+        self.keep_all(
+            Instants(
+                np.array([t]), np.array([factor]), r[None], x[None], totals[None], strains[None], reaction[None],
+                joints[None], np.array([ledger]),
+            )
+        )  # fmt: skip
 
     def keep_all(self, of: Instants) -> None:
         """Save instants that follow one another."""

@@ -97,7 +97,7 @@ class Fixed:
 
     def times(self, steps: NDArray[np.int64]) -> Array:
         """When so many whole steps have been taken."""
-        return self.t0 + steps * self.dt
+        return self.t0 + steps.astype(np.float64) * self.dt
 
     def again(self, beat: Beat) -> Beat:
         """``beat`` of a run that is gone on with, maybe to another end. Raises ModelError when it is past that."""

@@ -216,9 +216,9 @@ def measure() -> Code:
     return Code(graph, ("du", "size"), [s for s in stores if s.array == "size"], recorded=True)
 
 
-def move() -> Code:
-    """r1 += c u, Δr += c u, R1 ← cay(c θ) R1. To second order the Cayley transform is the exponential: Newton's
-    iteration converges as fast, and to the same."""
+def move(each: bool) -> Code:
+    """r1 += c u, Δr += c u, R1 ← cay(c θ) R1, c one number, or one for ``each`` lane. To second order the Cayley
+    transform is the exponential: Newton's iteration converges as fast, and to the same."""
     graph = Graph()
     x, du, (c,) = graph.inputs("x", NODE), graph.inputs("du", 6), graph.inputs("c", 1)
     step = [c * v for v in du]
@@ -231,7 +231,7 @@ def move() -> Code:
         # cay(t) d = d + f t × (d + ½ t × d)
         turned = cross(t, [p + 0.5 * q for p, q in zip(d, cross(t, d), strict=True)])
         stores += [Store("x", a + k, d[k] + factor * turned[k]) for k in range(3)]
-    return Code(graph, ("x", "du", "c"), stores, ("c",))
+    return Code(graph, ("x", "du", "c"), stores, () if each else ("c",))
 
 
 def residual(nn: int) -> Code:
