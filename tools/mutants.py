@@ -5,13 +5,15 @@ process (mutant_process.py).
     python tools/mutants.py --count 60 --seed 1 --log mutants.jsonl
 
 With --log a line of JSON is kept for every mutant, and those that have one are not tried again; --again tries the ones
-that survived. The tests are first run on the package as it is: they have to pass.
+that survived. Every file has its tests, which are first run on the package as it is: they have to pass. What survives
+them may be tried again with others: their files are arguments.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import compileall
 import hashlib
 import json
 import os
@@ -21,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,18 +32,17 @@ PACKAGE = ROOT / "src" / "directrix"
 TARGETS = ("formulations/*.py", "kernels/*.py", "audit.py", "stepping.py")
 # they say what is told to a user or how it is compiled, not what is computed
 LEFT_OUT = ("__init__", "conformance", "compile", "jit", "trace", "lanes")
-# the quick ones first: most mutants are noticed by any test of a motion
-TESTS = (
-    "formulation", "strips", "kernels", "condensed", "multifrontal", "translate", "ledger", "formulations", "dynamics",
-    "stepping", "contact", "driven", "joints", "attachments", "integrators",
-)  # fmt: skip
-# what a file is for decides which tests come before all others
-BEFORE = {
-    "contact": "contact", "joint": "joints", "attached": "attachments", "driven": "driven", "rotational": "formulations",
-    "simo_vu_quoc": "formulations", "crisfield_jelenic": "formulations", "simo_tarnow_doblare": "formulations",
-    "audit": "ledger", "stepping": "stepping", "chain": "kernels", "elimination": "kernels", "fronts": "multifrontal",
-    "expressions": "translate", "translate": "translate", "kinds": "translate", "record": "translate",
-    "director_acceleration": "integrators", "struts": "strips",
+# what notices a change of a file, the quick ones first
+OF_RODS = ("formulation", "strips", "ledger", "formulations", "dynamics", "integrators")
+OF_LANGUAGE = ("translate", "kernels", *OF_RODS)
+OF_CHAINS = ("kernels", "strips", "ledger")
+TESTS = {
+    "contact": ("contact",), "joint": ("joints",), "attached": ("attachments", "joints"),
+    "driven": ("driven", "ledger"),
+    "audit": ("ledger", "dynamics", "driven", "contact"), "stepping": ("stepping",), "struts": ("strips", "contact"),
+    "chain": OF_CHAINS, "elimination": OF_CHAINS, "strip_elimination": OF_CHAINS,
+    "fronts": ("multifrontal", "condensed"),
+    "expressions": OF_LANGUAGE, "translate": OF_LANGUAGE, "kinds": OF_LANGUAGE, "record": OF_LANGUAGE,
 }  # fmt: skip
 # a third of the time; without them more survive, not fewer
 LONG = (
@@ -86,16 +88,16 @@ def change(node: ast.AST) -> str:
     return f"{before}  →  {ast.unparse(node)}"
 
 
-def tried(file: Path, text: str, tests: list[str], limit: float, cache: Path) -> dict[str, Any]:
+def tried(file: Path, text: str, tests: Sequence[str], limit: float, cache: Path) -> dict[str, Any]:
     """What the tests say when ``file`` holds ``text``."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "src" / "directrix"
-        shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(PACKAGE, copy)
         (copy / file).write_text(text, encoding="utf-8")
         report = Path(folder) / "report.json"
         own = {
             "PYTHONPATH": f"{copy.parent}{os.pathsep}{Path(__file__).parent}", "DIRECTRIX_CACHE_DIR": str(cache),
-            "MUTANT_SOURCES": folder, "MUTANT_REPORT": str(report), "CI": "1", "PYTHONDONTWRITEBYTECODE": "1",
+            "MUTANT_SOURCES": folder, "MUTANT_REPORT": str(report), "CI": "1", "OPENBLAS_NUM_THREADS": "1",
         }  # fmt: skip
         command = [
             sys.executable,
@@ -132,12 +134,6 @@ def tried(file: Path, text: str, tests: list[str], limit: float, cache: Path) ->
         }
 
 
-def in_order(file: Path, tests: list[str]) -> list[str]:
-    """The tests of what the file is for first."""
-    first = f"tests/test_{BEFORE.get(file.stem, '')}.py"
-    return sorted(tests, key=lambda test: test != first)
-
-
 def main() -> int:
     """Try a sample of all mutants; exit code 1 below the score asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -151,7 +147,7 @@ def main() -> int:
     parser.add_argument("--log", type=Path, help="where a line is kept for every mutant")
     parser.add_argument("--cache", type=Path, help="where machine code is kept from one call to the next")
     parser.add_argument("--again", action="store_true", help="try again what has survived")
-    parser.add_argument("tests", nargs="*", default=[f"tests/test_{name}.py" for name in TESTS])
+    parser.add_argument("tests", nargs="*", help="files of tests, in place of those of the mutated file")
     given = parser.parse_args()
     files = sorted({f for pattern in TARGETS for f in PACKAGE.glob(pattern)})
     files = [f for f in files if f.stem not in LEFT_OUT and given.only in str(f)]
@@ -163,13 +159,11 @@ def main() -> int:
         for line in given.log.read_text("utf-8").splitlines():
             one = json.loads(line)
             known[one["file"], one["site"], one["source"]] = one
+    compileall.compile_dir(PACKAGE, quiet=1)  # what is copied is loaded sooner
+    passed: set[tuple[str, ...]] = set()
+    noticed = 0
     with tempfile.TemporaryDirectory() as folder:
         cache = given.cache or Path(folder)
-        plain = tried(Path("audit.py"), (PACKAGE / "audit.py").read_text("utf-8"), given.tests, given.limit, cache)
-        if not plain["alive"]:
-            raise SystemExit(f"the tests notice something where nothing was changed: {plain}")
-        print(f"unchanged: {plain['seconds']} s", flush=True)
-        noticed = 0
         for number, (file, site) in enumerate(chosen, 1):
             path, text = str(file.relative_to(PACKAGE)), file.read_text("utf-8")
             tree = ast.parse(text)
@@ -177,16 +171,25 @@ def main() -> int:
             source = hashlib.sha256(text.encode()).hexdigest()[:16]
             one = known.get((path, site, source))
             if one is None or (given.again and one["alive"]):
-                did, line = change(node), getattr(node, "lineno", 0)
+                tests = tuple(given.tests or [f"tests/test_{name}.py" for name in TESTS.get(file.stem, OF_RODS)])
+                if tests not in passed:
+                    plain = tried(Path(path), text, tests, given.limit, cache)
+                    if not plain["alive"]:
+                        raise SystemExit(f"the tests notice something where nothing was changed: {plain}")
+                    passed.add(tests)
+                line, did = getattr(node, "lineno", 0), change(node)
                 one = {"file": path, "site": site, "source": source, "line": line, "change": did}
-                one |= tried(Path(path), ast.unparse(tree), in_order(file, given.tests), given.limit, cache)
+                one |= tried(Path(path), ast.unparse(tree), tests, given.limit, cache)
                 if given.log:
                     with given.log.open("a", encoding="utf-8") as log:
                         log.write(json.dumps(one) + "\n")
             noticed += not one["alive"]
+            about = f"[{one['seconds']:.0f} s, {one['compiled']} compiled] {one['how']} {one['test']}"
             word = "SURVIVES" if one["alive"] else "noticed "
-            about = f"{path}:{one['line']} {one['change']} [{one['seconds']:.0f} s, {one['compiled']} compiled] {one['how']} {one['test']}"
-            print(f"{number:3}/{len(chosen)} {noticed / number:4.0%} {word} {about}", flush=True)
+            print(
+                f"{number:3}/{len(chosen)} {noticed / number:4.0%} {word} {path}:{one['line']} {one['change']} {about}",
+                flush=True,
+            )
     print(f"{noticed} of {len(chosen)} noticed ({noticed / max(1, len(chosen)):.0%}), out of {len(pool)} possible")
     return 0 if noticed >= given.least * len(chosen) else 1
 
