@@ -27,6 +27,7 @@ Member = tuple[Hashable, Any, Folder | None]
 
 __all__ = ["Ensemble", "ensemble"]
 
+NOTHING = None, ""  # is known of a member that was interrupted outside of its steps
 SECONDS = 0.1  # of work a batch should have: sending it to another process costs some milliseconds
 
 
@@ -135,11 +136,13 @@ def ensemble(
     settings = {"t_end": t_end, "dt": dt, **options}
     found: dict[Hashable, tuple[Result | None, str]] = {}
     report = reporting(progress)
-    ending = "it was not run: the ensemble was interrupted"
+    ending = "it was not run, or not known to have ended: the ensemble was interrupted"
     try:
         for outcomes in _run(tasks, build, settings, executor):
-            found.update({label: (result, sentence) for label, result, sentence in outcomes})
-            if any(_interrupted(result) for _, result, _ in outcomes):
+            stopped = _interrupted(outcomes[-1])
+            known = outcomes if outcomes[-1][1:] != NOTHING else outcomes[:-1]
+            found.update({label: (result, sentence) for label, result, sentence in known})
+            if stopped:
                 raise KeyboardInterrupt  # it was caught where the member ran
             failed = sum(1 for _, sentence in found.values() if sentence)
             more = f", {failed} failed" if failed else ""
@@ -224,8 +227,9 @@ def _run(
             future.cancel()
 
 
-def _interrupted(result: Result | None) -> bool:
-    return result is not None and result.status.code == "interrupted"
+def _interrupted(outcome: Outcome) -> bool:
+    _, result, _ = outcome
+    return outcome[1:] == NOTHING or (result is not None and result.status.code == "interrupted")
 
 
 def _task(task: Sequence[Member], build: Build | None, settings: Mapping[str, Any]) -> list[Outcome]:
@@ -234,11 +238,13 @@ def _task(task: Sequence[Member], build: Build | None, settings: Mapping[str, An
     for label, member, folder in task:
         try:
             result = simulate(member if build is None else build(member), folder=folder, **settings)
+        except KeyboardInterrupt:  # while it was built, or after its last step
+            outcomes.append((label, *NOTHING))
         except Exception as error:
             what = error.what if isinstance(error, ModelError) else repr(error)
             outcomes.append((label, None, what))
         else:
             outcomes.append((label, result, "" if result.success else str(result.status)))
-            if _interrupted(result):
-                break
+        if _interrupted(outcomes[-1]):
+            break
     return outcomes
