@@ -76,7 +76,8 @@ def change(node: ast.AST) -> str:
     before = ast.unparse(node)
     match node:
         case ast.Constant():
-            node.value = node.value + 1 if isinstance(node.value, int) else 2.0 * node.value + 1.0
+            value: Any = node.value
+            node.value = value + 1 if isinstance(value, int) else 2.0 * value + 1.0
         case ast.BinOp():
             node.op = SWAP[type(node.op)]()  # type: ignore[assignment]
         case ast.Compare():
