@@ -39,7 +39,7 @@ OF_CHAINS = ("kernels", "strips", "ledger")
 TESTS = {
     "contact": ("contact",), "joint": ("joints",), "attached": ("attachments", "joints"),
     "driven": ("driven", "ledger"),
-    "audit": ("ledger", "dynamics", "driven", "contact"), "stepping": ("stepping",), "struts": ("strips", "contact"),
+    "audit": ("ledger", "dynamics", "driven", "contact"), "stepping": ("stepping",), "struts": ("condensed",),
     "chain": OF_CHAINS, "elimination": OF_CHAINS, "strip_elimination": OF_CHAINS,
     "fronts": ("multifrontal", "condensed"),
     "expressions": OF_LANGUAGE, "translate": OF_LANGUAGE, "kinds": OF_LANGUAGE, "record": OF_LANGUAGE,
