@@ -37,7 +37,7 @@ OF_RODS = ("formulation", "strips", "ledger", "formulations", "dynamics", "integ
 OF_LANGUAGE = ("translate", "kernels", *OF_RODS)
 OF_CHAINS = ("kernels", "strips", "ledger")
 TESTS = {
-    "contact": ("contact",), "joint": ("joints",), "attached": ("attachments", "joints"),
+    "contact": ("contact",), "joint": ("joints",), "attached": ("attachments", "joints", "driven"),
     "driven": ("driven", "ledger"),
     "audit": ("ledger", "dynamics", "driven", "contact"), "stepping": ("stepping",), "struts": ("condensed",),
     "chain": OF_CHAINS, "elimination": OF_CHAINS, "strip_elimination": OF_CHAINS,
