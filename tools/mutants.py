@@ -119,8 +119,6 @@ def tried(file: Path, text: str, tests: Sequence[str], limit: float, cache: Path
                 command, cwd=ROOT, env={**os.environ, **own}, timeout=limit, capture_output=True, text=True
             )
             code = done.returncode
-            if code in (4, 5):
-                raise SystemExit(f"the tests cannot be run:\n{done.stdout}{done.stderr}")
             how = {0: "", 1: "failed"}.get(code, f"exit code {code}")
         except subprocess.TimeoutExpired:
             how = "time"  # a loop that never ends is noticed
