@@ -31,6 +31,7 @@ from directrix.kernels import strips as kernel
 from directrix.kernels.strip_elimination import eliminate_strip, pass_again
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
+from directrix.stepping import Fixed
 
 CASES = {  # (elements, order): target, ns per element and Newton iteration
     (20, 1): 350.0, (100, 1): 200.0, (1000, 1): 150.0, (10_000, 1): 220.0, (50, 2): 880.0, (500, 2): 660.0,
@@ -70,11 +71,11 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     scheme = dx.EnergyMomentum().scheme(DT)
     disc = discretise(flying_rod(n, order), scheme)
     newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
-    fast = fast_for(newton, DT)
+    fast = fast_for(newton, Fixed(DT, 0.0, 40), 40)
     assert fast is not None
     strips, results = fast.strips, np.zeros((40, kernel.RESULTS))
     strips.pack(x)
-    strips.set_load(disc.external(0.0))
+    strips.set_loads(disc.external(0.0)[None])
     strips.run(results)
     iterations, tangents = (float(results[:, column].mean()) for column in (0, kernel.TANGENTS))
     (main, rest), code, g, work = (part.strip for part in strips.parts), strips.code, strips.g, strips.work

@@ -92,9 +92,9 @@ def test_what_an_actuated_element_does_is_its_energy_and_the_work_of_actuation(l
 
 
 def soft_arm(section: dx.Section, order: int) -> dx.Model:
-    """Everything at once, in three dimensions."""
+    """Everything at once, in three dimensions; eight linear elements with a stiffening law would fold."""
     return (
-        rod(section, order)
+        rod(section, order, 12 // order)
         .clamp("a")
         .gravity((0, 0, -1))
         .actuate("arm", curvature=dx.harmonic((1.0, 0.5), 0.5), twist=lambda t: 0.2 * np.sin(t))

@@ -323,9 +323,10 @@ def test_a_signal_ends_a_run_that_can_be_gone_on_with(
 
 LONG_STEP = """
 import sys, time
-from directrix import cli, dynamics
+from directrix import cli
+from directrix.steplog import Log
 
-shown, left = dynamics._line, [7]
+took, left = Log.took, [7]
 
 def slow(*args):
     left[0] -= 1
@@ -333,9 +334,9 @@ def slow(*args):
         print("in a step", flush=True)
         for _ in range(3000):
             time.sleep(0.01)
-    return shown(*args)
+    return took(*args)
 
-dynamics._line = slow
+Log.took = slow
 cli.main()
 """
 """The command line, with one step that takes half a minute."""

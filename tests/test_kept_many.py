@@ -56,7 +56,7 @@ def steps_taken(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 def test_members_that_are_done_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, whole = tmp_path / "many", dx.ensemble(ANGLES, **SHORT, build=swing)
+    folder, whole = tmp_path / "many", dx.ensemble(ANGLES, **SHORT, build=swing, bundle=False)
 
     def stop(fraction: float, line: str) -> None:
         if fraction > 0.5:
@@ -84,7 +84,7 @@ def test_members_that_are_done_are_not_run_again(tmp_path: Path, monkeypatch: py
 
 
 def test_other_processes_keep_their_members_too(tmp_path: Path) -> None:
-    alone = dx.ensemble(ANGLES, **SHORT, build=swing)
+    alone = dx.ensemble(ANGLES, **SHORT, build=swing, bundle=False)
     with ProcessPoolExecutor(2) as pool:
         dx.ensemble(ANGLES, **SHORT, build=swing, executor=pool, batch=1, folder=tmp_path / "many")
     for label in ANGLES:
@@ -134,7 +134,7 @@ def test_a_signal_ends_the_ensemble_and_not_a_member_alone(after: float, kept: b
             os.kill(os.getpid(), signal.SIGINT)
         return (0.0, 0.0, t)
 
-    where = {"folder": tmp_path / "many"} if kept else {}
+    where = {"folder": dx.Folder(tmp_path / "many", steps=1)} if kept else {"bundle": False}
     runs = dx.ensemble([swing(0.1).force("tip", pull), swing(0.2)], **SHORT, **where)
     assert "was not run" in runs.failures[1] and runs.results[1] is None
     if after == 0.05:
@@ -149,7 +149,7 @@ def test_members_before_an_interruption_are_there() -> None:
             raise KeyboardInterrupt
         return swing(angle)
 
-    runs = dx.ensemble([0.1, 0.2, 0.3], **SHORT, build=build, batch=3)
+    runs = dx.ensemble([0.1, 0.2, 0.3], **SHORT, build=build, batch=3, bundle=False)
     assert runs.complete == (0,) and all("was not run" in runs.failures[k] for k in (1, 2))
 
 

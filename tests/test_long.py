@@ -12,8 +12,11 @@ import directrix as dx
 MILLION = 1_000_000
 
 
-def frame(elements: int = 1) -> dx.Model:
-    """Example 5 of the paper, the free flight of a frame of three rods at right angles."""
+def frame(elements: int) -> dx.Model:
+    """Example 5 of the paper, the free flight of a frame of three rods at right angles.
+
+    Its energy is 2.5, and an element of length h folds for ½ GJ/h: more than twelve elements a rod never can.
+    """
     section = dx.Section.from_moduli(
         EA=2500, GA1=960, GA2=960, EI1=1.6, EI2=1.6, GJ=1.2, A_rho=1.0, I_rho1=0.01, I_rho2=0.01
     )
@@ -28,7 +31,7 @@ def frame(elements: int = 1) -> dx.Model:
     )
 
 
-def drift(steps: int, dt: float = 0.002, elements: int = 2) -> dict[str, float]:
+def drift(steps: int, dt: float = 0.002, elements: int = 13) -> dict[str, float]:
     """Largest relative changes of linear momentum, of angular momentum about the mass centre and of energy, the loss
     of orthonormality, and the memory [MB per 1e5 steps] that the second half of the run takes."""
     memory: list[float] = []

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import directrix as dx
-from directrix import dynamics, stepping
+from directrix import motion, stepping
 from directrix.cli import app
 from directrix.integrators.conformance import _carried_rod, _flying_rod  # pyright: ignore[reportPrivateUsage]
 from directrix.newton import Newton, Outcome
@@ -51,7 +51,7 @@ class Given:
 def taken(monkeypatch: pytest.MonkeyPatch, lengths: list[float], model: dx.Model, **more: object) -> dx.Result:
     """A run in steps of these lengths."""
     with monkeypatch.context() as patched:
-        patched.setattr(dynamics, "stepping", lambda *_: Given(lengths))
+        patched.setattr(motion, "stepping", lambda *_: Given(lengths))
         return dx.simulate(model, sum(lengths), 1.0, **more)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -25,8 +27,8 @@ def short_chains_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(strips, "FEWEST", 0)
 
 
-def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1) -> dx.Model:
-    return dx.Model().rod(curve, RUBBER, name="rod", ends=("A", "B"), elements=elements, order=order)
+def rod(curve: dx.Curve = LINE, elements: int = 21, order: int = 1, **more: Any) -> dx.Model:
+    return dx.Model().rod(curve, RUBBER, name="rod", ends=("A", "B"), elements=elements, order=order, **more)
 
 
 def flight(elements: int) -> dx.Model:
@@ -43,6 +45,10 @@ CASES = {
     "nothing left over": flight(24),
     "swing": rod().pin("A").gravity((0, 0, -9.81)),
     "held inside": rod(elements=20).pin("A").clamp("B").force("A", (1, 0, 0)).gravity((0, -9.81, 0)),
+    "held between its ends": rod(elements=20, nodes={"P": 0.1, "Q": 0.6}).pin("P").fix("Q", "x", "y")
+    .gravity((0, 0, -9.81)).velocity("B", (0, 0.3, 0.5)),
+    "quadratic and held between its ends": rod(elements=10, order=2, nodes={"P": 0.1, "Q": 0.35}).pin("P")
+    .fix("Q", "z", "rx", "ry").gravity((0, 0, -9.81)).velocity("B", (0, 0.3, 0.5)),
     "directors along chords": rod(CHORDS).pin("A").gravity((0, 0, -9)),
     "a corner": corner(),
     "quadratic": rod(elements=9, order=2).pin("A").gravity((0, -2, -9.81)).moment("B", (0, 0.02, 0.01)),
@@ -77,6 +83,7 @@ def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytes
     fast, slow = both(model, monkeypatch, t_end=0.3, dt=0.01, save_every=7)
     assert len(general) == len(slow.iterations), "steps in lanes failed, and were taken again in the general way"
     assert fast.success and slow.success and fast.audit.passed
+    assert np.all(fast.trail.rows[:, 4] == -1.0)  # no step was left to the general way
     assert np.array_equal(fast.t, slow.t)
     for quantity in ("r", "R", "v", "Rdot", "strain", "reaction"):
         a, b = (np.asarray(getattr(run, quantity)) for run in (fast, slow))

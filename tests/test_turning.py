@@ -42,3 +42,23 @@ def test_an_element_that_is_folded_is_no_equilibrium() -> None:
     """Two elements cannot carry half a turn: where they would fold, the run says so."""
     result = dx.solve_static(held(1, 2, (0, 150, 0)).clamp("B"), steps=2)
     assert not result.success and result.audit.largest_turn < np.radians(85)
+
+
+FOLDS = pytest.mark.open_ledger("the element is to fold")
+
+
+@pytest.mark.parametrize("elements", [pytest.param(1, marks=FOLDS), 8])
+def test_a_motion_that_folds_an_element_fails_its_audit_by_name(elements: int) -> None:
+    """Twisted past a right angle an element holds nothing together, and conserves energy and momenta all the same."""
+    section = dx.Section.from_moduli(
+        EA=2500, GA1=960, GA2=960, EI1=1.6, EI2=1.6, GJ=1.2, A_rho=1, I_rho1=0.01, I_rho2=0.01
+    )
+    rod = dx.Model().rod(
+        dx.line((0, 0, 0), (2, 0, 0)), section, name="shaft", ends=("A", "B"), elements=elements, order=1
+    )
+    result = dx.simulate(rod.clamp("A").velocity("B", (0, 0, 0), omega=(25, 0, 0)), t_end=0.5, dt=0.01)
+    entries = {entry.law: entry.holds for entry in result.audit.entries}
+    assert result.success and entries["energy"]
+    assert result.audit.passed == (elements == 8)
+    if elements == 1:
+        assert not entries["turn of an element"] and "rod 'shaft', element 1" in str(result)

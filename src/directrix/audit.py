@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.formulations.directors import DirectorStep
 from directrix.keeping.memory import recall, remember
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ __all__ = ["Audit", "DynamicBooks", "Entry", "StaticBooks", "report", "stepped"]
 LEDGER = 1e-8  # of its largest term: kinetic or stored energy, work or dissipation so far
 LIMIT = 1e-9  # relative; rounding leaves 1e-15 a step
 WARN_TURN = np.pi / 6
+FOLDED = np.pi / 2  # where interpolated directors bend back with no moment
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,13 @@ class _Turn:
         angle = float(np.arccos(np.clip(0.5 * (self.dots - 1.0), -1.0, 1.0)))
         where = self.disc.element_place(self.element)
         notes = list(self.disc.mesh.notes)
-        if angle > WARN_TURN:
+        if angle > FOLDED and any(isinstance(group.element, DirectorStep) for group in self.disc.groups):
+            entries = [*entries, Entry("turn of an element", angle / FOLDED, 1.0, "90°")]
+            notes.append(
+                f"{where} turned by {np.degrees(angle):.0f}° between its nodes; past a right angle interpolated "
+                "directors no longer hold it together, and nothing that came after is true: refine or raise the order"
+            )
+        elif angle > WARN_TURN:
             notes.append(
                 f"{where} turns by {np.degrees(angle):.0f}° between its nodes; above 30° direct interpolation "
                 "of directors loses accuracy: refine or raise the order"
@@ -148,19 +156,23 @@ class DynamicBooks:
             self.given = max(self.given, -float(books.taken.min()))
         self.turn.add(books.totals)
 
-    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> None:
+    def add_steps(self, totals: Array, flow: Array, acting: Array, dt: float) -> list[tuple[float, ...]]:
         """Book several steps of length ``dt``: ``totals`` (m, 8) W, T, L (3), J (3) at their ends, ``flow`` (m, 10) as
         in ``Books``, ``acting`` (m, 2) the size of the forces and moments that act from outside, cancelling or not.
+        Gives ``flows`` after each of them, but for what is booked by source.
 
         The arrays are kept: what only the verdict needs is worked out for many steps at once.
         """
+        so_far: list[tuple[float, ...]] = []
         for row in flow[:, (0, 1, 8, 9)].tolist():
             self.work += row[0] + row[1] + row[3]
             self.prescribed += row[1]
             self.dissipated += row[2]
+            so_far.append((self.work, self.prescribed, self.dissipated))
         self.waiting.append((totals, flow, acting, np.full((len(flow), 1), dt)))
         if len(self.waiting) >= 512:
             self._settle()
+        return so_far
 
     def _settle(self) -> None:
         if not self.waiting:

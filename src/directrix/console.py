@@ -15,7 +15,7 @@ from rich.table import Column, Table
 
 from directrix.audit import stepped
 from directrix.result import Result
-from directrix.telling import time_left
+from directrix.telling import now_and_then, time_left
 
 if TYPE_CHECKING:
     from directrix.viewer.live import Live
@@ -52,7 +52,7 @@ def live(console: Console) -> Generator[Callable[[float, str], None]]:
                 else:
                     console.print(f"{done:4.0%}  {text}" + (f", {left}" if left else ""), markup=False, soft_wrap=True)
 
-        yield progress
+        yield now_and_then(progress)
 
 
 @contextmanager

@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 from directrix import points
-from directrix.audit import DynamicBooks
-from directrix.checks import choice, number, reporting, shown, whole
-from directrix.diagnosis import refuse, without_inertia
-from directrix.discretisation import discretise
-from directrix.errors import ConvergenceError, ModelError
+from directrix.accounts import Taken
+from directrix.checks import reporting
+from directrix.errors import ConvergenceError
 from directrix.failures import explained
 from directrix.fast import fast_for
-from directrix.formulations import refuse_strategies
-from directrix.integrators import EnergyMomentum, Formulation, Integrator
-from directrix.joint_checks import refuse_joints
-from directrix.keeping import Folder, Keeper, RunFolder, fingerprint
+from directrix.integrators import Formulation, Integrator
+from directrix.keeping import Folder, Keeper, RunFolder
 from directrix.linear.petsc import Petsc
 from directrix.model import Model
-from directrix.newton import Newton, Settings
-from directrix.parts import Keep, Parts
-from directrix.recorder import Progress, Recorder, feed_of
+from directrix.motion import Asked, Motion
+from directrix.newton import Outcome
+from directrix.parts import Keep
+from directrix.recorder import Progress
 from directrix.result import Result, Status
-from directrix.scheme import Rates
-from directrix.state import has_history, initial_state, place_supports, stand
-from directrix.statics import PATIENCE
-from directrix.stepping import Adaptive, Beat, Fixed, Stepping, stepping, way
-from directrix.telling import line
+from directrix.state import place_supports
+from directrix.stepping import Adaptive, Beat, Fixed, way
+from directrix.telling import every_step, line
 from directrix.threads import one_blas_thread
 
-__all__ = ["refuse_damping", "simulate"]
+__all__ = ["moved", "simulate"]
 
 
 @one_blas_thread()
@@ -93,7 +87,7 @@ def simulate(
         "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
-        True shows a line, in a notebook a bar.
+        True shows a line, in a notebook a bar. A chain takes its steps many times faster when nobody asks for each.
     raise_on_failure
         Raise ConvergenceError instead of returning a Result with ``success`` False.
 
@@ -102,221 +96,201 @@ def simulate(
     ModelError
         The model or an argument cannot be right.
     """
-    integrator = EnergyMomentum() if integrator is None else integrator
-    _refuse(formulation, integrator, load_rule)
-    refuse_strategies(formulation, progress)
-    save_every = whole(save_every, "save_every", 1, 10**9)
-    t_end = number(t_end, "t_end")
-    refuse_damping(model, integrator)
-    t0 = float(start.t[-1]) if isinstance(start, Result) and start.kind == "dynamic" else 0.0
-    pace = stepping(dt, t0, t_end, integrator)
-    if isinstance(dt, Adaptive) and dt.save_at is not None and save_every != 1:
-        raise ModelError("save_at and save_every both say what is kept", "leave one of them out", "save_every=")
-    beat = pace.first()
-    scheme = integrator.scheme(beat.dt)
-    disc = discretise(model, scheme)
-    settings = Settings(tolerance, PATIENCE, retry=False) if pace.adaptive else Settings(tolerance)
-    x = initial_state(disc, start, scheme)
-    newton = Newton(disc, scheme, replace(settings, threads=threads, linear=Petsc.of(linear)))
-    newton.driver.place(t0, 1.0)
-    newton.driver.shift()
-    place_supports(disc, x, t0)
-    stand(x, disc.nodes)  # supports that begin elsewhere are there: no step took them, and none does its work
-    refuse_joints(newton, x, fresh=start is None or start.kind == "static")
-    refuse(without_inertia(newton, x))
-    external = disc.external(t0)
-    ends = scheme.rates is Rates.ALPHA
-    if ends and not has_history(start, scheme):
-        newton.accelerate(x, external)
-    acting = newton.applied(x, external)
-    recorder = Recorder(disc, "dynamic", Parts(disc.mesh, keep), record, feed_of(progress))
-    books = newton.books(x)
-    ledger = DynamicBooks(disc, integrator, books)
-    recorder.keep(t0, 1.0, newton.positions(x), x, books, ledger.flows)
-    steady = not any(load.varies for load in disc.loads)
-    before, report = t0, reporting(progress)
-    unsaved = None
-    fast = fast_for(newton, pace.dt) if isinstance(pace, Fixed) else None
-    if pace.adaptive:
-        beat = replace(beat, past=((0.0, x[: disc.nodes, 24:36].copy()),))
-    saved = 0  # steps that are behind what was last kept
-    paced = beat.dt  # of the last step
-    asked = {
-        "t0": t0, "dt": dt, "t_end": t_end if pace.adaptive else None, "integrator": integrator,
-        "load_rule": load_rule, "tolerance": tolerance, "save_every": save_every, "keep": keep, "x": x,
-    }  # fmt: skip
-    print_ = "" if folder is None else fingerprint(disc, scheme, asked, (t0, beat.to))
-    keeper = Keeper(folder, recorder, print_)
+    asked = Asked(
+        t_end, dt, integrator, formulation, load_rule, start, save_every, keep, tolerance, record, threads, linear,
+        progress,
+    )  # fmt: skip
+    return moved(Motion(model, asked), folder, raise_on_failure)
 
-    def memory() -> dict[str, Any]:
-        return {
-            "beat": beat.remember(), "saved": saved, "paced": paced, "x": x, "acting": acting,
-            "newton": newton.remember(), "ledger": ledger.remember(), "log": recorder.log.remember(),
-            "fast": None if fast is None else fast.remember(),
-        }  # fmt: skip
 
+def moved(
+    motion: Motion, folder: Folder | RunFolder | str | os.PathLike[str] | None = None, raise_on_failure: bool = False
+) -> Result:
+    """Take a motion to its end; see :func:`simulate`."""
+    keeper = Keeper(folder, motion.recorder, "" if folder is None else motion.fingerprint())
+    steps = _Steps(motion, reporting(motion.asked.progress))
     if keeper.memory is not None:
-        past = keeper.memory
-        beat, saved, paced = pace.again(Beat.recalled(past["beat"])), past["saved"], past["paced"]
-        newton.retime(integrator.scheme(paced), x)
-        x, acting = past["x"], past["acting"]
-        books = newton.recall(past["newton"])
-        ledger.recall(past["ledger"])
-        recorder.log.recall(past["log"])
-        if fast is not None:
-            fast.recall(past["fast"])
-        before = beat.t
-        unsaved = (
-            (newton.positions(x), x.copy())
-            if saved < len(recorder.iterations) and not (fast is not None and fast.inside)
-            else None
-        )
-    status = Status("done", "")
-    try:
-        keeper.listen()
-        while not beat.done:
-            if keeper.due(taken := len(recorder.iterations)):
-                keeper.keep(taken, beat.t, memory)
-                if keeper.stopping:
-                    status = keeper.interrupted(f"t = {beat.t:g}")
-                    break
-            before, t = beat.t, beat.to
-            if not steady:
-                if ends:
-                    external = disc.external(t)
-                elif load_rule == "midpoint":
-                    external = disc.external(0.5 * (before + t))
-                else:
-                    external = 0.5 * (disc.external(before) + disc.external(t))
-            if fast is not None and isinstance(pace, Fixed) and beat.whole:
-                alone = progress is not None or not steady
-                many = 1 if alone else min(pace.steps - beat.k, save_every - beat.k % save_every)
-                many = min(many, keeper.room(len(recorder.iterations)))
-                done = fast.take(x, external, many, ledger, beat.k)
-                if done:
-                    recorder.log.took(beat.dt, done, fast.moves)
-                    beat = pace.on(beat, len(done))
-                    before = beat.t
-                    if beat.k % save_every == 0:
-                        books = fast.books(x)
-                        recorder.keep(before, 1.0, newton.positions(x), x, books, ledger.flows)
-                        unsaved, saved = None, len(recorder.iterations)
-                    report(pace.fraction(beat), _line(before, recorder, ledger, fast.energy))
-                    continue
-                if fast.inside:
-                    books = fast.books(x)
-                    fast.give(x)
-                unsaved = (newton.positions(x), x.copy()) if saved < len(recorder.iterations) else None
-            x, paced = newton.retime(integrator.scheme(beat.dt), x), beat.dt
-            good = x.copy()
-            if newton.driver.varies and ends:
-                newton.driver.place(t, 1.0)
-            elif newton.driver.varies:
-                newton.driver.act(before, t, load_rule)
-            newton.begin(x)
-            moved = bool(disc.prescribed or disc.driven) and place_supports(disc, x, t)
-            outcome = newton.solve(x, external, moved)
-            if outcome.status is not None:
-                x, shorter = good, pace.shorter(beat)
-                recorder.log.threw(newton.trail, rejected=False)
-                if shorter is None:
-                    failed = explained(newton, newton.start, outcome.status, static=False)
-                    status = Status(failed.code, f"{_stopped(pace, beat)}: {failed.sentence}", failed.advice)
-                    break
-                beat = shorter
-                continue
-            fine, after = pace.judge(beat, way(x, disc.nodes) / beat.dt if pace.adaptive else None, disc.length)
-            if not fine:
-                x = good
-                recorder.log.threw(newton.trail, rejected=True)
-                if after is None:
-                    status = Status("inaccurate", f"{_stopped(pace, beat)}.", "Raise the tolerance, or lower dt_min.")
-                    break
-                beat = after
-                continue
-            assert after is not None
-            books = newton.finish(x, acting if ends else None)
-            if ends:
-                acting = books.applied.copy()
-            ledger.add(books, beat.dt)
-            recorder.log.took(beat.dt, [outcome.iterations], newton.trail)
-            whole_step, beat, before = beat.asked, after, t
-            count = len(recorder.iterations) if pace.adaptive else beat.k
-            if (whole_step or not pace.on_time) and count % save_every == 0:
-                recorder.keep(t, 1.0, newton.positions(x), x, books, ledger.flows)
-                unsaved, saved = None, len(recorder.iterations)
-            else:  # for a run that ends on the way: a step that fails leaves x somewhere
-                unsaved = newton.positions(x), x.copy()
-            report(pace.fraction(beat), _line(t, recorder, ledger, float(books.totals[0] + books.totals[1])))
-        else:
-            keeper.keep(len(recorder.iterations), before, memory, done=True)
-            status = Status("done", f"reached t = {t_end:g} in {len(recorder.iterations)} steps{_thrown(recorder)}.")
-    except KeyboardInterrupt:
-        if fast is not None:  # it may have come while steps were taken
-            done = fast.settle(ledger)
-            recorder.log.took(beat.dt, done, fast.moves)
-            before = pace.on(beat, len(done)).t if isinstance(pace, Fixed) and done else before
-        status = keeper.interrupted(f"t = {before:g}")
-    except ModelError as error:  # a user's function that fails on the way: keep what there is
-        status = Status("bad_input", f"stopped at t = {before:g}: {error.what}.", f"{error.fix}.")
-    finally:
-        keeper.hush()
-    if fast is not None:
-        fast.close(ledger)
-        if fast.inside and saved < len(recorder.iterations):
-            books = fast.books(x)
-            unsaved = newton.positions(x), x
-    if unsaved is not None:
-        recorder.keep(before, 1.0, *unsaved, books, ledger.flows)
-    info = {
-        "integrator": repr(integrator), "formulation": repr(integrator.formulation),
-        "dt": repr(dt) if isinstance(dt, Adaptive) else dt, "t_end": t_end, "load_rule": load_rule,
-        "tolerance": tolerance, "steps": len(recorder.iterations), "cuts": recorder.log.failed,
-        "rejected": recorder.log.rejected, "element": repr(scheme.element),
-    }  # fmt: skip
-    result = keeper.finish(recorder.result(status, ledger.audit(), info, keeper.earlier()))
+        steps.recall(keeper.memory)
+    status = keeper.attend(lambda: steps.go(keeper), steps.broken_off)
+    steps.close()
+    result = keeper.finish(motion.result(status, keeper.earlier()))
     if raise_on_failure and not result.success:
         raise ConvergenceError(result)
     return result
 
 
-def _line(t: float, recorder: Recorder, ledger: DynamicBooks, energy: float) -> str:
-    log = recorder.log
-    return line("t =", t, log.iterations, cuts=log.failed, energy=energy, error=ledger.error(energy))
+class _Steps:
+    """The loop over the steps of a motion."""
 
+    def __init__(self, motion: Motion, report: Callable[[float, str], None]) -> None:
+        self.motion, self.report = motion, report
+        self.newton, self.pace, self.recorder, self.ledger = motion.newton, motion.pace, motion.recorder, motion.ledger
+        self.save_every = motion.save_every
+        self.x, self.beat, self.books, self.acting = motion.x, motion.beat, motion.books, motion.acting
+        self.watched = every_step(motion.asked.progress)
+        self.fast = fast_for(self.newton, self.pace, self.save_every) if isinstance(self.pace, Fixed) else None
+        self.saved = 0  # steps that are behind what was last kept
+        self.paced = self.beat.dt  # of the last step
+        self.unsaved: tuple[Any, Any] | None = None
 
-def _stopped(pace: Stepping, beat: Beat) -> str:
-    where = f", in step {beat.k + 1} to t = {beat.to:g}" if beat.whole and not pace.adaptive else ""
-    return f"stopped at t = {beat.t:g}{where}: {pace.why(beat)}"
+    def remember(self) -> dict[str, Any]:
+        """All that the next step depends on."""
+        return {
+            "beat": self.beat.remember(), "saved": self.saved, "paced": self.paced, "x": self.x, "acting": self.acting,
+            "newton": self.newton.remember(), "ledger": self.ledger.remember(), "log": self.recorder.log.remember(),
+            "fast": None if self.fast is None else self.fast.remember(),
+        }  # fmt: skip
 
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what :meth:`remember` gave."""
+        self.beat = self.pace.again(Beat.recalled(memory["beat"]))
+        self.saved, self.paced = memory["saved"], memory["paced"]
+        self.newton.retime(self.motion.integrator.scheme(self.paced), self.x)
+        self.x, self.acting = memory["x"], memory["acting"]
+        self.books = self.newton.recall(memory["newton"])
+        self.ledger.recall(memory["ledger"])
+        self.recorder.log.recall(memory["log"])
+        if self.fast is not None:
+            self.fast.recall(memory["fast"])
+        if self.saved < self.taken and not self.inside:
+            self._hold()
 
-def _thrown(recorder: Recorder) -> str:
-    log = recorder.log
-    parts = (f"{log.failed} times cut" * (log.failed > 0), f"{log.rejected} taken again shorter" * (log.rejected > 0))
-    return "".join(f", {part}" for part in parts if part)
+    @property
+    def taken(self) -> int:
+        """Steps so far."""
+        return len(self.recorder.iterations)
 
+    @property
+    def inside(self) -> bool:
+        """True while the state is in the lanes."""
+        return self.fast is not None and self.fast.inside
 
-def _refuse(formulation: object, integrator: object, load_rule: str) -> None:
-    if isinstance(integrator, type) or not hasattr(integrator, "scheme"):
-        raise ModelError(
-            f"{shown(integrator)} is not an integrator", "use dx.EnergyMomentum(), dx.Midpoint(), …", "integrator="
-        )
-    needs: Formulation = integrator.formulation  # type: ignore[attr-defined]
-    if isinstance(formulation, Formulation) and formulation != needs:
-        raise ModelError(
-            f"{integrator!r} does not go with {formulation!r}: {integrator.why}",  # type: ignore[attr-defined]
-            f"use formulation=dx.{needs!r}, or leave it out",
-            "formulation=",
-        )
-    choice(load_rule, "load_rule", ("midpoint", "average"))
+    def go(self, keeper: Keeper) -> Status:
+        """Step on until the end, or a step that fails at its shortest."""
+        while not self.beat.done:
+            if keeper.due(self.taken):
+                keeper.keep(self.taken, self.beat.t, self.remember)
+                if keeper.stopping:
+                    return keeper.interrupted(f"t = {self.beat.t:g}")
+            if not self._many(keeper.room(self.taken)):
+                failed = self._one()
+                if failed is not None:
+                    return failed
+        keeper.keep(self.taken, self.beat.t, self.remember, done=True)
+        return self.motion.done()
 
+    def broken_off(self) -> str:
+        """Where the run is when something came in between; steps may have been taken that are not booked yet."""
+        if self.fast is not None:
+            self._booked(self.fast.settle(self.ledger))
+        return f"t = {self.beat.t:g}"
 
-def refuse_damping(model: Model, integrator: Integrator) -> None:
-    """Raise ModelError when a section is damped and the integrator has no form for that."""
-    for rod in model.rods:
-        if rod.section.damping.any() and not integrator.damping:
-            raise ModelError(
-                f"the section of rod {rod.name!r} is damped, and {integrator!r} has no form for that",
-                "use a step of the midpoint family, e.g. dx.EnergyMomentum(), or leave damping= out",
-                "integrator=",
-            )
+    def close(self) -> None:
+        """Keep the last state."""
+        if self.fast is not None:
+            self.fast.close(self.ledger)
+            if self.fast.inside and self.saved < self.taken:
+                self.books = self.fast.books(self.x)
+                self._hold()
+        if self.unsaved is not None:
+            self.recorder.keep(self.beat.t, 1.0, *self.unsaved, self.books, self.ledger.flows)
+
+    def _hold(self) -> None:
+        """The state as it is, for a run that ends on the way: a step that fails leaves ``x`` somewhere."""
+        self.unsaved = self.newton.positions(self.x), self.x.copy()
+
+    def _tell(self, energy: float) -> None:
+        if self.motion.asked.progress is None:
+            return
+        log, t = self.recorder.log, self.beat.t
+        text = line("t =", t, log.iterations, cuts=log.failed, energy=energy, error=self.ledger.error(energy))
+        self.report(self.pace.fraction(self.beat), text)
+
+    def _many(self, room: int) -> bool:
+        """Take steps the fast way, ``room`` at most; False when it took none."""
+        if self.fast is None or not isinstance(self.pace, Fixed) or not self.beat.whole:
+            return False
+        k = self.beat.k
+        many = 1 if self.watched else min(room, self.pace.steps - k, self.fast.room(k))
+        if self.motion.asked.record:  # what is saved is to be in their files before the next step
+            many = min(many, self.save_every - k % self.save_every)
+        external = self.motion.loads(self.pace, k, many)
+        many = many if self.motion.steady else len(external)
+        if self._booked(self.fast.take(self.x, external, many, self.ledger, k)):
+            self._tell(self.fast.energy)
+            return True
+        if self.fast.inside:
+            self.books = self.fast.books(self.x)
+            self.fast.give(self.x)
+        if self.saved < self.taken:
+            self._hold()
+        else:
+            self.unsaved = None
+        return False
+
+    def _booked(self, taken: Taken) -> bool:
+        """Note and save steps that were taken the fast way; True when there are any."""
+        if not taken.iterations or not isinstance(self.pace, Fixed):
+            return False
+        self.recorder.log.took(self.beat.dt, taken.iterations, taken.moves)
+        self.beat = self.pace.on(self.beat, len(taken.iterations))
+        if taken.instants is not None:
+            self.recorder.keep_all(taken.instants)
+            self.unsaved, self.saved = None, self.taken - (self.beat.k - taken.saved)
+        return True
+
+    def _one(self) -> Status | None:
+        """Take a step the general way, or try it shorter the next time; how the run ends if it has to."""
+        newton, disc, pace, beat, log = self.newton, self.motion.disc, self.pace, self.beat, self.recorder.log
+        ends = self.motion.ends
+        self.x, self.paced = newton.retime(self.motion.integrator.scheme(beat.dt), self.x), beat.dt
+        good = self.x.copy()
+        if newton.driver.varies and ends:
+            newton.driver.place(beat.to, 1.0)
+        elif newton.driver.varies:
+            newton.driver.act(beat.t, beat.to, self.motion.asked.load_rule)
+        external = self.motion.standing[0] if self.motion.steady else self.motion.load(beat.t, beat.to)
+        newton.begin(self.x)
+        moved = bool(disc.prescribed or disc.driven) and place_supports(disc, self.x, beat.to)
+        outcome = newton.solve(self.x, external, moved)
+        if outcome.status is not None:
+            self.x, shorter = good, pace.shorter(beat)
+            log.threw(newton.trail, rejected=False)
+            if shorter is None:
+                failed = explained(newton, newton.start, outcome.status, static=False)
+                return Status(failed.code, f"{self._stopped()}: {failed.sentence}", failed.advice)
+            self.beat = shorter
+            return None
+        judged = pace.judge(beat, way(self.x, disc.nodes) / beat.dt if pace.adaptive else None, disc.length)
+        if not judged.good:
+            self.x = good
+            log.threw(newton.trail, rejected=True)
+            if judged.beat is None:
+                return Status("inaccurate", f"{self._stopped()}.", "Raise the tolerance, or lower dt_min.")
+            self.beat = judged.beat
+            return None
+        assert judged.beat is not None
+        self._took(outcome, judged.beat)
+        return None
+
+    def _took(self, outcome: Outcome, after: Beat) -> None:
+        """Book and save a step that was solved; ``after`` is what comes next."""
+        newton, ends, beat = self.newton, self.motion.ends, self.beat
+        self.books = newton.finish(self.x, self.acting if ends else None)
+        if ends:
+            self.acting = self.books.applied.copy()
+        self.ledger.add(self.books, beat.dt)
+        self.recorder.log.took(beat.dt, [outcome.iterations], newton.trail)
+        self.beat = after
+        count = self.taken if self.pace.adaptive else after.k
+        if (beat.asked or not self.pace.on_time) and count % self.save_every == 0:
+            self.recorder.keep(after.t, 1.0, newton.positions(self.x), self.x, self.books, self.ledger.flows)
+            self.unsaved, self.saved = None, self.taken
+        else:
+            self._hold()
+        self._tell(float(self.books.totals[0] + self.books.totals[1]))
+
+    def _stopped(self) -> str:
+        beat = self.beat
+        where = f", in step {beat.k + 1} to t = {beat.to:g}" if beat.whole and not self.pace.adaptive else ""
+        return f"stopped at t = {beat.t:g}{where}: {self.pace.why(beat)}"

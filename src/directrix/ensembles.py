@@ -6,19 +6,23 @@ import os
 import pickle
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import number, reporting, shown, whole
-from directrix.dynamics import simulate
+from directrix.bundle import Fit, fit_of, run
+from directrix.checks import flag, number, reporting, shown, whole
+from directrix.dynamics import moved, simulate
 from directrix.errors import ModelError
 from directrix.keeping import Folder, Many
+from directrix.kernels.compile import LANES
 from directrix.model import Model
+from directrix.motion import Asked, Motion
 from directrix.recorder import Progress
 from directrix.result import Result
+from directrix.threads import one_blas_thread
 
 Array = NDArray[np.float64]
 Build = Callable[[Any], Model]
@@ -27,6 +31,7 @@ Member = tuple[Hashable, Any, Folder | None]
 
 __all__ = ["Ensemble", "ensemble"]
 
+ASKED = {field.name for field in fields(Asked)}
 NOTHING = None, ""  # is known of a member that was interrupted outside of its steps
 SECONDS = 0.1  # of work a batch should have: sending it to another process costs some milliseconds
 
@@ -96,9 +101,16 @@ def ensemble(
     batch: int | None = None,
     folder: Folder | str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
+    bundle: bool = True,
     **options: Any,
 ) -> Ensemble:
     """Integrate the motion of many models.
+
+    Chains of equal topology lie side by side in the lanes of the processor: the same numbers of elements, order and
+    supports, in the order of the chain; all else may differ. Which these are says docs/performance.md; any length will
+    do. A member that does not converge there, and any other, runs as :func:`simulate` runs it. What a member
+    computes is the same to the last bit whoever is beside it, in whatever batches and wherever it runs; it is what
+    ``simulate`` computes but for rounding.
 
     Parameters
     ----------
@@ -110,15 +122,18 @@ def ensemble(
         Makes the model of a member, where it runs: only the member travels to another process.
     executor
         Any ``concurrent.futures.Executor``: threads (the compiled steps run side by side), processes, or what MPI
-        and Dask offer. Without one the members run here, one after the other. No bit of what each computes changes.
+        and Dask offer. Without one the members run here, batch after batch.
     batch
-        Members to a task; by default so many that a task takes about 0.1 s.
+        Members to a task, who may lie side by side; by default so many that a task takes about 0.1 s.
     folder
         Where the members are kept, each in a folder with the name of its label: a path, or
         ``dx.Folder(path, resume=True)``, which takes those that are done from there, goes on with those that are not
-        and runs those that are new.
+        and runs those that are new. Every member then runs by itself.
     progress
         Called after every batch with the fraction done and a line of text. What it raises ends the run, which is kept.
+    bundle
+        False: every member runs by itself, to the bits of ``simulate``. For chains of which no two are alike, each of
+        which would have a lane, and leave the others idle.
 
     Raises
     ------
@@ -129,7 +144,11 @@ def ensemble(
     labelled = _labelled(members, build)
     number(t_end, "t_end")
     number(dt, "dt", above=0.0)
-    size = _batch(labelled, build, t_end / dt) if batch is None else whole(batch, "batch", 1, 10**9)
+    side_by_side = flag(bundle, "bundle") and folder is None
+    if batch is None:
+        size = _batch(labelled, build, t_end / dt, LANES if side_by_side else 1)
+    else:
+        size = whole(batch, "batch", 1, 10**9)
     many = None if folder is None else Many.claim(folder, [label for label, _ in labelled], "members")
     placed: list[Member] = [(label, member, None if many is None else many.of(label)) for label, member in labelled]
     tasks = [placed[k : k + size] for k in range(0, len(placed), size)]
@@ -138,11 +157,9 @@ def ensemble(
     report = reporting(progress)
     ending = "it was not run, or not known to have ended: the ensemble was interrupted"
     try:
-        for outcomes in _run(tasks, build, settings, executor):
-            stopped = _interrupted(outcomes[-1])
-            known = outcomes if outcomes[-1][1:] != NOTHING else outcomes[:-1]
-            found.update({label: (result, sentence) for label, result, sentence in known})
-            if stopped:
+        for outcomes in _run(tasks, build, settings, side_by_side, executor):
+            found.update({label: (result, sentence) for label, result, sentence in outcomes if result or sentence})
+            if any(_interrupted(outcome) for outcome in outcomes):
                 raise KeyboardInterrupt  # it was caught where the member ran
             failed = sum(1 for _, sentence in found.values() if sentence)
             more = f", {failed} failed" if failed else ""
@@ -185,23 +202,29 @@ def _labelled(members: Sequence[Any] | Mapping[Hashable, Any], build: Build | No
     return pairs
 
 
-def _batch(members: Sequence[tuple[Hashable, Any]], build: Build | None, steps: float) -> int:
-    """Members whose motions take about SECONDS, by the first: 10 ms each, and 2 µs for a step of an element."""
+def _batch(members: Sequence[tuple[Hashable, Any]], build: Build | None, steps: float, abreast: int) -> int:
+    """Members whose motions take about SECONDS, by the first: 5 ms each, and 2 µs for a step of an element; a whole
+    number of times as many as go ``abreast``."""
     first = members[0][1]
     try:
         model = first if build is None else build(first)
         elements = sum(rod.elements for rod in model.rods)
     except Exception:  # a failure of that member, found when it runs
         elements = 10
-    return int(np.clip(SECONDS / (0.01 + 2e-6 * elements * steps), 1, max(1, len(members) // 8)))
+    size = np.clip(SECONDS / (0.005 + 2e-6 * elements * steps), 1, max(1, len(members) // 8))
+    return abreast * int(np.ceil(size / abreast))
 
 
 def _run(
-    tasks: list[list[Member]], build: Build | None, settings: dict[str, Any], executor: Executor | None
+    tasks: list[list[Member]],
+    build: Build | None,
+    settings: dict[str, Any],
+    side_by_side: bool,
+    executor: Executor | None,
 ) -> Iterator[list[Outcome]]:
     if executor is None:
         for task in tasks:
-            yield _task(task, build, settings)
+            yield _task(task, build, settings, side_by_side)
         return
     if not hasattr(executor, "submit"):
         raise ModelError(
@@ -211,7 +234,7 @@ def _run(
         )
     pending: list[Future[list[Outcome]]] = []
     try:
-        pending += [executor.submit(_task, task, build, settings) for task in tasks]
+        pending += [executor.submit(_task, task, build, settings, side_by_side) for task in tasks]
         for done in as_completed(pending):
             yield done.result()
     except (pickle.PicklingError, AttributeError, TypeError) as error:
@@ -232,19 +255,77 @@ def _interrupted(outcome: Outcome) -> bool:
     return outcome[1:] == NOTHING or (result is not None and result.status.code == "interrupted")
 
 
-def _task(task: Sequence[Member], build: Build | None, settings: Mapping[str, Any]) -> list[Outcome]:
+def _task(
+    task: Sequence[Member], build: Build | None, settings: Mapping[str, Any], side_by_side: bool
+) -> list[Outcome]:
     """Run the members of a batch; what one of them raises is its failure."""
-    outcomes: list[Outcome] = []
-    for label, member, folder in task:
-        try:
-            result = simulate(member if build is None else build(member), folder=folder, **settings)
-        except KeyboardInterrupt:  # while it was built, or after its last step
-            outcomes.append((label, *NOTHING))
-        except Exception as error:
-            what = error.what if isinstance(error, ModelError) else repr(error)
-            outcomes.append((label, None, what))
+    batch = _Batch(build, settings, side_by_side)
+    with one_blas_thread():
+        for member in task:
+            batch.take(member)
+            if batch.interrupted:
+                break
         else:
-            outcomes.append((label, result, "" if result.success else str(result.status)))
-        if _interrupted(outcomes[-1]):
-            break
-    return outcomes
+            batch.end()
+    return [batch.outcomes[label] for label, _, _ in task if label in batch.outcomes]
+
+
+class _Batch:
+    """Members that run where this is; those of one kind wait until there is one for every lane, or for the end."""
+
+    def __init__(self, build: Build | None, settings: Mapping[str, Any], side_by_side: bool) -> None:
+        self.build, self.settings = build, settings
+        self.side_by_side = side_by_side and settings.keys() <= ASKED
+        self.outcomes: dict[Hashable, Outcome] = {}
+        self.waiting: dict[Hashable, list[tuple[Hashable, Model, Fit]]] = {}
+
+    @property
+    def interrupted(self) -> bool:
+        """True when a run was asked to end."""
+        return any(_interrupted(outcome) for outcome in self.outcomes.values())
+
+    def take(self, member: Member) -> None:
+        """Run a member, or let it wait."""
+        self._keep(member[0], lambda: self._begun(*member))
+
+    def end(self) -> None:
+        """Run all who wait."""
+        for kind in list(self.waiting):
+            if not self.interrupted:
+                self._together(self.waiting.pop(kind))
+
+    def _keep(self, label: Hashable, run: Callable[[], Result | None]) -> None:
+        try:
+            result = run()
+        except KeyboardInterrupt:  # while it was built, or after its last step
+            self.outcomes[label] = label, *NOTHING
+        except Exception as error:
+            self.outcomes[label] = label, None, error.what if isinstance(error, ModelError) else repr(error)
+        else:
+            if result is not None:
+                self.outcomes[label] = label, result, "" if result.success else str(result.status)
+
+    def _begun(self, label: Hashable, member: Any, folder: Folder | None) -> Result | None:
+        model = member if self.build is None else self.build(member)
+        if not self.side_by_side:
+            return simulate(model, folder=folder, **self.settings)
+        motion = Motion(model, Asked(**self.settings))
+        fit = fit_of(motion)
+        if fit is None:
+            return moved(motion)
+        group = self.waiting.setdefault(fit.key, [])
+        group.append((label, model, fit))
+        if len(group) == LANES:
+            self._together(self.waiting.pop(fit.key))
+        return None
+
+    def _together(self, group: list[tuple[Hashable, Model, Fit]]) -> None:
+        try:
+            results = run([fit for _, _, fit in group])
+        except KeyboardInterrupt:
+            self.outcomes |= {label: (label, *NOTHING) for label, _, _ in group}
+            return
+        for (label, model, _), result in zip(group, results, strict=True):
+            self._keep(
+                label, lambda model=model, result=result: simulate(model, **self.settings) if result is None else result
+            )

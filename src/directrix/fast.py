@@ -7,91 +7,82 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from directrix.accounts import FOLLOW, Accounts, Taken
 from directrix.audit import DynamicBooks
 from directrix.keeping.memory import recall, remember
-from directrix.kernels.strips import MOVES, RESULTS, SHOWN
+from directrix.kernels.strips import RESULTS
 from directrix.newton import Books, Newton
+from directrix.stepping import Fixed
 from directrix.strips import Strips, strips_for
 
 Array = NDArray[np.float64]
 
-__all__ = ["FOLLOW", "Fast", "fast_for"]
+__all__ = ["Fast", "fast_for"]
 
 CARRIED = ("x", "res", "turn")
 """What a strip keeps from step to step."""
-FOLLOW = 64
-"""The origin of a free model goes along after so many steps, counted from its start: when must not depend on how many
-are taken in a call, since it changes the rounding of those that follow."""
 
 
-def fast_for(newton: Newton, dt: float) -> Fast | None:
-    """The fast way for what ``newton`` solves in steps ``dt``, or None; see :func:`directrix.strips.strips_for`."""
-    strips = strips_for(newton.disc, newton.scheme, newton.tables.damping.size > 0, newton.options)
-    return None if strips is None else Fast(newton, strips, dt)
+def fast_for(newton: Newton, pace: Fixed, every: int) -> Fast | None:
+    """The fast way for what ``newton`` solves in steps of ``pace``, every ``every``-th of which is saved, or None; see
+    :func:`directrix.strips.strips_for`."""
+    strips = strips_for(newton.disc, newton.scheme, newton.tables.damping.size > 0, newton.options, every)
+    return None if strips is None else Fast(newton, strips, pace)
 
 
 class Fast:
     """Takes steps in lanes for a loop that keeps its state in ``x``: the state moves to the lanes when steps are taken
     and comes back when it is asked for."""
 
-    def __init__(self, newton: Newton, strips: Strips, dt: float) -> None:
-        self.newton, self.strips, self.dt = newton, strips, dt
+    def __init__(self, newton: Newton, strips: Strips, pace: Fixed) -> None:
+        self.strips, self.accounts = strips, Accounts(newton, strips, pace)
         self.inside = False  # the state is in the lanes
         self.loaded: Array | None = None
         self.results = np.zeros((0, RESULTS))
-        self.moves = np.zeros((0, SHOWN, 2))
-        """Displacement and turn in the first iterations of the steps that were booked last."""
-        self.energy = self.loss = 0.0
         self.before = 0
 
-    def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks, before: int) -> list[int]:
-        """Take up to ``count`` steps and book them, ``before`` having been taken; the iterations of those that
-        converged."""
-        count, self.before = min(count, FOLLOW - before % FOLLOW), before
+    @property
+    def energy(self) -> float:
+        """After the last step."""
+        return self.accounts.energy
+
+    def room(self, before: int) -> int:
+        """Steps that are taken at once, ``before`` having been taken."""
+        return min(self.strips.many, FOLLOW - before % FOLLOW)
+
+    def take(self, x: Array, external: Array, count: int, ledger: DynamicBooks, before: int) -> Taken:
+        """Take ``count`` steps, as far as there is :meth:`room`, under loads (count, n, 12), or (1, n, 12) that are
+        steady; book those that converged."""
+        self.before = before
         if not self.inside:
             self.strips.pack(x)
             self.inside = True
         if external is not self.loaded:
-            self.strips.set_load(external)
+            self.strips.set_loads(external)
             self.loaded = external
         # a signal may come in between: what was computed is in here all the same
-        self.results = np.zeros((min(count, self.strips.many), RESULTS))
-        self.strips.run(self.results)
+        self.results = np.zeros((min(count, self.room(before)), RESULTS))
+        self.strips.run(self.results, before)
         return self.settle(ledger)
 
-    def settle(self, ledger: DynamicBooks) -> list[int]:
+    def settle(self, ledger: DynamicBooks) -> Taken:
         """Book the steps that were taken since this was last done."""
-        rows, self.results = self.results[self.results[:, 0] > 0.0], self.results[:0]
-        self.moves = rows[:, MOVES:].reshape(len(rows), SHOWN, 2)
-        if len(rows):
-            flow, totals = np.zeros((len(rows), 10)), rows[:, 8:16]
-            flow[:, 0], flow[:, 2:8] = rows[:, 1], rows[:, 2:8]
-            if self.newton.free and self.newton.origin.any():
-                flow[:, 5:8] += np.cross(self.newton.origin, flow[:, 2:5])
-                totals[:, 5:8] += np.cross(self.newton.origin, totals[:, 2:5])
-            self.before += len(rows)
-            if self.newton.free and self.before % FOLLOW == 0:
-                self._follow()
-            force, moment = np.linalg.norm(flow[:, 2:5], axis=1), np.linalg.norm(flow[:, 5:8], axis=1)
-            acting = np.stack([np.maximum(force, np.sqrt(rows[:, 17])), moment], -1)
-            ledger.add_steps(totals, flow, acting, self.dt)
-            self.energy = float(totals[-1, 0] + totals[-1, 1])
-            self.loss = max(self.loss, float(rows[:, 16].max()))
-        return [int(n) for n in rows[:, 0]]
+        results, self.results = self.results, self.results[:0]
+        return self.accounts.settle(results, self.before, ledger)
 
     def close(self, ledger: DynamicBooks) -> None:
-        """Book what is known only at the end: the largest turn and loss of orthonormality of all steps."""
-        dots, element = self.strips.largest_turn()
-        ledger.turn.add(np.array([*[0.0] * 8, dots, element, self.loss]))
+        """See :meth:`Accounts.close`."""
+        self.accounts.close(ledger)
 
     def remember(self) -> dict[str, Any]:
         """What is in the lanes, digit by digit: a state that leaves them is rounded."""
         lanes = [remember(part.strip, *CARRIED) for part in self.strips.parts]
-        return {"own": remember(self, "inside", "energy", "loss"), "lanes": lanes}
+        return {"inside": self.inside, "booked": remember(self.accounts, "energy", "loss"), "lanes": lanes}
 
     def recall(self, memory: dict[str, Any]) -> None:
         """Go on from what :meth:`remember` gave."""
-        recall(self, memory["own"])
+        self.inside = memory["inside"]
+        recall(self.accounts, memory["booked"])
         for part, lanes in zip(self.strips.parts, memory["lanes"], strict=True):
             recall(part.strip, lanes)
 
@@ -102,14 +93,5 @@ class Fast:
             self.inside = False
 
     def books(self, x: Array) -> Books:
-        """The books of the last step, with the state in ``x`` as well."""
-        self.strips.unpack(x)
-        books = self.newton.books(x)
-        self.strips.reaction(books.reaction)
-        return books
-
-    def _follow(self) -> None:
-        """See :meth:`Newton.follow`."""
-        shift = self.newton.shift(self.strips.first_position())
-        if shift is not None:
-            self.strips.shift(shift)
+        """See :meth:`Accounts.books`."""
+        return self.accounts.books(x)

@@ -16,7 +16,7 @@ from directrix.errors import ModelError
 from directrix.formulations.contact import SOFTENING, ObstacleElement, PairElement
 from directrix.keeping.memory import recall, remember
 from directrix.kernels import step as kernel
-from directrix.kernels.elements import PAR, SIZE
+from directrix.kernels.elements import PAR, SIZE, books_of
 from directrix.kernels.tables import damping_for, tables_for, work_for
 from directrix.kernels.trace import cross
 from directrix.linear.condensed import Condensed, usual
@@ -466,6 +466,15 @@ class Newton:
         work, n, by = self.work, self.disc.nodes, (self.work.taken, self.work.done, self.work.scale)
         applied, reaction = work.applied[:n], work.reaction[:n]
         return Books(self.totals, work.flow, self.strains, reaction, applied, work.ground, work.joints, *by)
+
+    def books_of(self, states: Array, origins: Array) -> tuple[Array, Array]:
+        """Totals (k, 11) and strains (k, stations, 6) of states (k, ≥ n, 40) of a model without contact, whose
+        positions are measured from ``origins`` (k, 3)."""
+        totals, strains = np.zeros((len(states), 11)), np.zeros((len(states), self.disc.stations, 6))
+        books_of(self.tables, self.work, states, totals, strains)
+        if self.free:
+            totals[:, 5:8] += np.cross(origins, totals[:, 2:5])
+        return totals, strains
 
     def books(self, x: Array) -> Books:
         """The books of a state as it is."""

@@ -106,16 +106,16 @@ class Parts:
         return {} if self.whole else {"kept": repr(self.keep)}
 
     def of(self, row: Mapping[str, Array]) -> dict[str, Array]:
-        """The kept part of a row."""
+        """The kept part of rows (nt, …)."""
         if self.whole:
             return dict(row)
         out = dict(row)
         for name in ("r", "R", "v", "Rdot", "reaction"):
-            out[name] = row[name][self.nodes]
+            out[name] = row[name][:, self.nodes]
         for name in ("strain", *FOLLOWS):
-            out[name] = row[name][self.stations]
+            out[name] = row[name][:, self.stations]
         for name in ("history", "joints"):  # what goes on behind the joints is for the whole model only
-            out[name] = row[name][self.joints]
+            out[name] = row[name][:, self.joints]
         for field in FIELDS:
             if field not in self.keep.fields:
                 for name in (*BEHIND[field], *(FOLLOWS if field == "force" else ())):

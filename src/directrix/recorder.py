@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Literal, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from directrix import points
 from directrix.audit import Audit
 from directrix.discretisation import Discretisation
 from directrix.formulations.layout import HISTORY
+from directrix.growing import Growing
 from directrix.newton import Books
 from directrix.parts import Parts
 from directrix.result import Energy, Momentum, Result, Status
@@ -24,11 +25,25 @@ from directrix.steplog import Log
 
 Array = NDArray[np.float64]
 
-__all__ = ["Feed", "Progress", "Recorder", "feed_of"]
+__all__ = ["Feed", "Instants", "Progress", "Recorder", "feed_of"]
 
 Progress = Callable[[float, str], None]
-EACH = 200
-"""Bytes that an array takes beside its values."""
+
+
+class Instants(NamedTuple):
+    """Instants to be saved, k of them: times and load factors (k,), positions ``r`` (k, n, 3) of states ``x``
+    (k, ≥ n, 40), totals (k, 11), strains (k, stations, 6), reactions (k, n, 6) and what joints do (k, joints, ≥ 6) as
+    in ``Books``; ``ledger`` (k, …) as :meth:`Recorder.keep` has it."""
+
+    t: Array
+    factor: Array
+    r: Array
+    x: Array
+    totals: Array
+    strains: Array
+    reaction: Array
+    joints: Array
+    ledger: Array
 
 
 class Feed(Protocol):
@@ -46,7 +61,8 @@ def feed_of(progress: object) -> Feed | None:
 
 
 class Recorder:
-    """Grows one row per saved instant; arrays are copied, so the solver may reuse its own.
+    """Grows one row per saved instant, of which so many are ``expected``; arrays are copied, so the solver may reuse
+    its own.
 
     Rows and iterations that were taken away with :meth:`take` come back, through ``earlier``, for the result.
     """
@@ -58,12 +74,13 @@ class Recorder:
         parts: Parts | None = None,
         record: Sequence[points.Recorder] = (),
         feed: Feed | None = None,
+        expected: int = 16,
     ) -> None:
         self.disc, self.feed = disc, feed
         self.parts = Parts(disc.mesh) if parts is None else parts
         self.live = points.Live(record, disc.mesh, kind)
         self.kind: Literal["static", "dynamic"] = kind
-        self.rows: list[dict[str, Array]] = []
+        self.rows = Growing(expected)
         self.log = Log()
         self.iterations = self.log.iterations
         self.away = self.steps_away = self.size = 0
@@ -72,7 +89,7 @@ class Recorder:
     @property
     def count(self) -> int:
         """Rows so far."""
-        return self.away + len(self.rows)
+        return self.away + self.rows.count
 
     def keep(self, t: float, factor: float, r: Array, x: Array, books: Books, ledger: tuple[float, ...]) -> None:
         """Save an instant with positions ``r`` of the state ``x``.
@@ -80,38 +97,53 @@ class Recorder:
         ``ledger`` since the start: work, the part of it that prescribed motion did, what was dissipated; by source
         what was dissipated and the work.
         """
-        n = len(r)
-        turns, spins = (x[:n, a : a + 9].reshape(n, 3, 3).transpose(0, 2, 1) for a in (3, 27))
-        if self.feed is not None:
-            instant = {"t": np.array(t), "r": r, "R": turns, "v": x[:n, 24:27], "strain": books.strains}
-            self.feed.keep(self.disc, self.kind, {**instant, "totals": books.totals, "work": np.array(ledger[0])})
+        totals, strains, reaction, joints = books.totals, books.strains, books.reaction, books.joints
+        self.keep_all(
+            Instants(
+                np.array([t]), np.array([factor]), r[None], x[None], totals[None], strains[None], reaction[None],
+                joints[None], np.array([ledger]),
+            )
+        )  # fmt: skip
+
+    def keep_all(self, of: Instants) -> None:
+        """Save instants that follow one another."""
+        count, n = of.r.shape[:2]
+        turns, spins = (of.x[:, :n, a : a + 9].reshape(count, n, 3, 3).transpose(0, 1, 3, 2) for a in (3, 27))
         row = {
-            "scalars": np.array([t, factor, *ledger]), "totals": books.totals,
-            "r": r, "R": turns, "v": x[:n, 24:27], "Rdot": spins,
-            "reaction": books.reaction, "strain": books.strains,
-            "history": x[n:, :HISTORY], "joints": books.joints[:, :6],
+            "scalars": np.concatenate([np.stack([of.t, of.factor], -1), of.ledger], -1), "totals": of.totals,
+            "r": of.r, "R": turns, "v": of.x[:, :n, 24:27], "Rdot": spins,
+            "reaction": of.reaction, "strain": of.strains,
+            "history": of.x[:, n:, :HISTORY], "joints": of.joints[..., :6],
         }  # fmt: skip
-        self.live.write(t, r, x[:n, 24:27], books.strains, lambda: self._pulled(books.strains, row["scalars"]))
+        if self.feed is not None or self.live.points:
+            for k in range(count):
+                self._show({name: value[k] for name, value in row.items()})
         if not self.parts.whole:  # what follows from all of a state has to be found out now
-            row |= self._derived({name: value[None] for name, value in row.items()}, first=True)
-        self.rows.append({name: value.copy() for name, value in self.parts.of(row).items()})
-        self.size += sum(value.nbytes + EACH for value in self.rows[-1].values())
+            row |= self._derived(row)
+        self.size += self.rows.add(self.parts.of(row))
+
+    def _show(self, row: Mapping[str, Array]) -> None:
+        """An instant to whoever looks on while the run goes on."""
+        t, work = row["scalars"][0], row["scalars"][2]
+        if self.feed is not None:
+            instant = {name: row[name] for name in ("r", "R", "v", "strain", "totals")}
+            self.feed.keep(self.disc, self.kind, {"t": np.array(t), **instant, "work": np.array(work)})
+        self.live.write(t, row["r"], row["v"], row["strain"], lambda: self._pulled(row["strain"], row["scalars"]))
 
     def take(self) -> dict[str, Any]:
         """Rows and iterations since the last time, to be put where ``earlier`` of :meth:`result` finds them."""
-        return {
-            "rows": len(self.rows), "iterations": np.array(self.iterations[self.steps_away :], np.int64),
-            **(_stacked(self.rows) if self.rows else {}),
-        }  # fmt: skip
+        iterations = np.array(self.iterations[self.steps_away :], np.int64)
+        return {"rows": self.rows.count, "iterations": iterations, **self.rows.rows()}
 
     def forget(self) -> None:
         """What was taken is safe."""
         self.away, self.steps_away, self.size = self.count, len(self.iterations), 0
-        self.rows = []
+        self.rows.clear()
 
     def go_on(self, earlier: Iterable[Mapping[str, Any]]) -> None:
         """Begin again behind what ``earlier`` gives, as :meth:`take` gave it."""
-        self.rows, self.away, self.size = [], 0, 0
+        self.rows.clear()
+        self.away = self.size = 0
         del self.iterations[:]
         for part in earlier:
             self.away += part["rows"]
@@ -134,7 +166,8 @@ class Recorder:
         if not self.parts.whole:
             columns |= {f"link {name}": value for name, value in result.links.items()}
             columns |= {f"contact {name}": value for name, value in result.contacts.items()}
-        self.rows = [{name: value[k].copy() for name, value in columns.items()} for k in range(rows)]
+        self.rows.clear()
+        self.rows.add({name: value[:rows] for name, value in columns.items()})
         self.iterations.extend(result.iterations[:steps].tolist())
         self.live.go_on(rows)
 
@@ -146,10 +179,13 @@ class Recorder:
         dt, cuts = self.log.arrays()
         found: dict[str, Array] = {}
         first = 0
-        waiting = [{"rows": len(self.rows), **_stacked(self.rows)}] if self.rows else []
+        waiting = [{"rows": self.rows.count, **self.rows.rows()}]
         for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
             last = first + part["rows"]
             for name in part.keys() - {"rows", "iterations"}:
+                if part["rows"] == self.count:  # that is all there is
+                    found[name] = part[name]
+                    continue
                 if name not in found:
                     found[name] = np.empty((self.count, *part[name].shape[1:]))
                 found[name][first:last] = part[name]
@@ -192,16 +228,14 @@ class Recorder:
         """Section forces (stations, 6) of one instant."""
         return self.disc.section_force(self._stressed(strain[None], scalars[None]))[0]
 
-    def _derived(self, of: Mapping[str, Array], first: bool = False) -> dict[str, Array]:
-        """Section forces, energy densities, links and contacts of rows (nt, …); of the ``first`` alone without its
-        axis."""
+    def _derived(self, of: Mapping[str, Array]) -> dict[str, Array]:
+        """Section forces, energy densities, links and contacts of rows (nt, …)."""
         stressed = self._stressed(of["strain"], of["scalars"])
         links = self.disc.link_states(of["r"], of["R"])
         contacts = self.disc.contact_states(of["r"])
         found = {"force": self.disc.section_force(stressed), "density": self.disc.stored_density(stressed)}
         found |= {f"link {name}": state for name, state in links.items()}
-        found |= {f"contact {name}": state for name, state in contacts.items()}
-        return {name: value[0] for name, value in found.items()} if first else found
+        return found | {f"contact {name}": state for name, state in contacts.items()}
 
     def _energy(self, totals: Array, scalars: Array) -> Energy:
         sources = self.disc.sources
@@ -220,10 +254,6 @@ class Recorder:
         if not self.disc.model.actuations:
             return strain
         return strain - np.array([self.disc.intrinsic(t, factor) for t, factor in scalars[:, :2].tolist()])
-
-
-def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
 
 
 def _named(found: Mapping[str, Array], kind: str) -> dict[str, Array]:

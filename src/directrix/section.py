@@ -254,7 +254,7 @@ class Section:
     def stored(self, strain: Array) -> Array:
         """Stored energy per unit length (…,) at strains (…, 6)."""
         if self.law is None:
-            return 0.5 * np.einsum("...i,ij,...j->...", strain, self.stiffness, strain)
+            return 0.5 * np.einsum("...i,...i->...", strain, self.forces(strain))
         return np.broadcast_to(self.law.energy([strain[..., k] for k in range(6)]), strain.shape[:-1]).copy()
 
     @classmethod

@@ -95,6 +95,10 @@ class Fixed:
         """The first step."""
         return self._at(Beat(0.0, 0.0, self.dt, True))
 
+    def times(self, steps: NDArray[np.int64]) -> Array:
+        """When so many whole steps have been taken."""
+        return self.t0 + steps.astype(np.float64) * self.dt
+
     def again(self, beat: Beat) -> Beat:
         """``beat`` of a run that is gone on with, maybe to another end. Raises ModelError when it is past that."""
         if beat.k > self.steps:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from directrix.discretisation import Discretisation
 from directrix.formulations.directors import DirectorStep
+from directrix.formulations.layout import PER_NODE
 from directrix.groups import Group
 from directrix.kernels import rows
 from directrix.kernels import strips as kernel
@@ -28,21 +29,26 @@ from directrix.scheme import Rates, Scheme
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Strips", "strips_for"]
+__all__ = [
+    "Loads", "Shots", "Strips", "Work", "chain_of", "code_of", "frames_of", "nodes_of", "parameters_of",
+    "steps_at_once", "strip_of", "strips_for", "work_for",
+]  # fmt: skip
 
 FEWEST = 8
 """Elements from which on lanes are used."""
+MOST, ELEMENTS = 64, 50_000
+"""Steps of a call, and steps times elements: some 50 ms, after which progress and signals are looked at again."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
 class Strip(Record):
-    """Parts of a chain side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes an element.
-
-    See :mod:`directrix.kernels.strips`."""
+    """Parts of a chain, or ``whole`` chains, side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes
+    an element. See :mod:`directrix.kernels.strips`."""
 
     elements: int
     lanes: int
     stride: int
+    whole: int
     results: int
     parameters: int
     x: Array
@@ -68,8 +74,8 @@ class Strip(Record):
     turn: Array
 
 
-class Joints(Record):
-    """The nodes where parts meet, and what all parts share."""
+class Work(Record):
+    """The nodes where parts meet, if they do, and what all parts share."""
 
     eliminate: int
     blocks: Array
@@ -88,6 +94,29 @@ class Joints(Record):
     loss: Array
 
 
+class Loads(Record):
+    """What acts in the steps to come, one of them or one for all: on the strips as their ``load``, on the nodes where
+    parts meet (k, …, 6), and the largest force and moment (k, 2)."""
+
+    main: Array
+    rest: Array
+    joints: Array
+    largest: Array
+
+
+class Shots(Record):
+    """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``main`` and ``rest`` are the nodes of
+    the strips, ``frames`` and ``fixed`` those of all nodes."""
+
+    every: int
+    x: Array
+    reaction: Array
+    frames: Array
+    fixed: NDArray[np.uint8]
+    main: Ints
+    rest: Ints
+
+
 class Part(NamedTuple):
     """Where the lanes of a strip come from: ``nodes`` (stride · elements + 1, LANES), ``members`` (elements, LANES)."""
 
@@ -96,92 +125,118 @@ class Part(NamedTuple):
     members: Ints
 
 
-def _chain(disc: Discretisation) -> Ints | None:
-    """The elements of the only group in the order of the chain, all pointing one way; None when there is no such."""
+def chain_of(disc: Discretisation, scheme: Scheme, damped: bool) -> Ints | None:
+    """The elements of a model in the order of its chain, or None where it does not go through lanes.
+
+    That takes one chain of linear or quadratic elements of one kind that all point one way, a midpoint step without
+    damping, supports that stay and loads that keep their direction."""
+    if scheme.rates is not Rates.MIDPOINT or damped or disc.prescribed or disc.drives or disc.near is not None:
+        return None
     if not disc.pattern.chain or len(disc.groups) != 1 or disc.groups[0].names:
         return None
-    ends = disc.pattern.row[disc.groups[0].conn[:, [0, -1]]]
+    group = disc.groups[0]
+    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3:
+        return None
+    if any(load.first >= 6 for load in disc.loads):
+        return None
+    ends = disc.pattern.row[group.conn[:, [0, -1]]]
     steps = ends[:, 1] - ends[:, 0]
     if np.all(steps == 1):
         return np.argsort(ends[:, 0])
     return np.argsort(-ends[:, 0]) if np.all(steps == -1) else None
 
 
-def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array) -> Strips | None:
-    """The fast way for a model, or None.
-
-    It takes one chain of at least FEWEST linear or quadratic elements of one kind that all point one way, a midpoint
-    step without damping, supports that stay and loads that keep their direction."""
-    order = _chain(disc)
-    if (
-        order is None
-        or scheme.rates is not Rates.MIDPOINT
-        or damped
-        or disc.prescribed
-        or disc.drives
-        or disc.near is not None
-    ):
+def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array, every: int = 1) -> Strips | None:
+    """The fast way for a model whose chain (:func:`chain_of`) has FEWEST elements at least, or None. Every
+    ``every``-th state is kept."""
+    order = chain_of(disc, scheme, damped)
+    if order is None or len(order) < max(FEWEST, 2 * LANES):
         return None
-    group = disc.groups[0]
-    if not isinstance(group.element, DirectorStep) or group.layout.nn > 3 or len(order) < max(FEWEST, 2 * LANES):
-        return None
-    if any(load.first >= 6 for load in disc.loads):
-        return None
-    return Strips(disc, scheme, group, order, options)
+    return Strips(disc, scheme, order, options, every)
 
 
-def _frames(group: Group, nodes: int) -> Array:
-    """(nodes, 3, 3) reference directors of the nodes as columns where all elements at a node agree, else the identity
-    everywhere."""
+def steps_at_once(elements: int) -> int:
+    """Steps of one call with so many elements."""
+    return max(1, min(MOST, ELEMENTS // elements))
+
+
+def nodes_of(group: Group, order: Ints) -> Ints:
+    """The nodes of a chain, one after the other."""
+    conn = group.conn[order]
+    return np.append(conn[:, :-1].ravel(), conn[-1, -1])
+
+
+def parameters_of(group: Group, order: Ints, aligned: bool) -> Array:
+    """(elements, …) parameters of the elements of a chain; of ``aligned`` ones without their directors."""
+    return group.parameters[order][:, 9 * group.layout.nn if aligned else 0 :]
+
+
+def frames_of(group: Group, nodes: int) -> tuple[Array, bool]:
+    """(nodes, 3, 3) reference directors of the nodes as columns where all elements at a node agree (and any are not
+    the axes: such elements are aligned), else the identity everywhere."""
     nn = group.layout.nn
     directors = group.parameters[:, : 9 * nn].reshape(-1, nn, 3, 3).transpose(0, 1, 3, 2)
     out = np.zeros((nodes, 3, 3))
     out[group.conn] = directors
     if np.abs(out[group.conn] - directors).max() > ALIGNED:
         out[:] = np.eye(3)
-    return out
+    return out, not np.array_equal(out, np.broadcast_to(np.eye(3), out.shape))
 
 
 class Strips:
     """A chain in lanes: its state is packed, taken through steps and unpacked."""
 
-    def __init__(self, disc: Discretisation, scheme: Scheme, group: Group, order: Ints, options: Array) -> None:
-        self.frames = _frames(group, disc.nodes)
-        aligned = not np.array_equal(self.frames, np.broadcast_to(np.eye(3), self.frames.shape))
-        self.code = _code(group, aligned)
-        conn = group.conn[order]
-        chain = np.append(conn[:, :-1].ravel(), conn[-1, -1])
-        stride = group.layout.nn - 1
+    def __init__(self, disc: Discretisation, scheme: Scheme, order: Ints, options: Array, every: int) -> None:
+        group = disc.groups[0]
+        self.frames, aligned = frames_of(group, disc.nodes)
+        self.code = code_of(group, aligned, whole=False)
+        chain, stride = nodes_of(group, order), group.layout.nn - 1
         length = len(order) // LANES
         left = len(order) - length * LANES
         first = length * np.arange(LANES)
         more = length * LANES + np.minimum(np.arange(LANES), max(left - 1, 0)) - (0 if left else 1)
-        p = group.parameters[order][:, 9 * group.layout.nn if aligned else 0 :]
+        p = parameters_of(group, order, aligned)
         self.fixed = disc.fixed
         self.parts = [
             _part(chain, order, group, p, begin, many, lanes, disc.fixed)
             for begin, many, lanes in ((first, length, LANES), (more, 1, left))
         ]
         self.joints = chain[::stride][np.append(first, np.arange(length * LANES, len(order) + 1))]
-        self.work = _joints(disc.fixed[self.joints].astype(np.uint8))
+        self.work = work_for(disc.fixed[self.joints].astype(np.uint8), 2)
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
-        self.many = max(1, min(256, 100_000 // len(order)))
+        self.many = steps_at_once(len(order))
+        rows = self.many if any(load.varies for load in disc.loads) else 1
+        sizes = [(part.strip.load.size,) for part in self.parts]
+        self.loads = Loads(*(np.zeros((rows, *size)) for size in (*sizes, (len(self.joints), 6), (2,))))
+        room = -(-self.many // every)
+        self.shots = Shots(
+            every, np.zeros((room, disc.rows, PER_NODE)), np.zeros((room, disc.nodes, 6)), self.frames,
+            disc.fixed.astype(np.uint8), *(part.nodes[:, : part.strip.lanes].copy() for part in self.parts),
+        )  # fmt: skip
 
-    def set_load(self, external: Array) -> None:
-        """The loads (n, 12) that act in the next steps."""
-        dead = np.ascontiguousarray(external[:, :6])
-        for part in self.parts:
-            strip = part.strip
-            strip.load[:] = dead[part.nodes].transpose(0, 2, 1).ravel()
-            strip.first_load[6 * LANES :] = strip.load[6 * LANES : strip.first_load.size]
-        self.work.load[:] = dead[self.joints]
-        self.work.largest[:] = np.abs(dead[:, :3]).max(), np.abs(dead[:, 3:]).max()
+    def set_loads(self, external: Array) -> None:
+        """The loads (k, n, 12) of the next steps; where they are steady, of all (1, n, 12)."""
+        dead = external[..., :6]
+        for part, out in zip(self.parts, (self.loads.main, self.loads.rest), strict=True):
+            out[: len(dead)] = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
+        self.loads.joints[: len(dead)] = dead[:, self.joints]
+        for column in (0, 1):
+            self.loads.largest[: len(dead), column] = np.abs(dead[..., 3 * column : 3 * column + 3]).max(axis=(1, 2))
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
         for part in self.parts:
             kernel.pack(part.strip.x, part.nodes, self.frames, x)
+
+    @property
+    def every(self) -> int:
+        """Of so many steps one is saved."""
+        return self.shots.every
+
+    def states(self, count: int) -> tuple[Array, Array]:
+        """The first states (count, ≥ n, 40) of the last call that are to be saved, and reactions (count, n, 6)."""
+        return self.shots.x[:count], self.shots.reaction[:count]
 
     def unpack(self, x: Array) -> None:
         """Write the state into ``x`` (≥ n, 40)."""
@@ -193,10 +248,11 @@ class Strips:
         for part in self.parts:
             part.strip.x.reshape(-1, rows.NODE, LANES)[:, :3] -= by[:, None]
 
-    def run(self, results: Array) -> None:
-        """Take a step for every row of ``results``, or as many as converge; see :func:`kernels.strips.run`."""
+    def run(self, results: Array, before: int = 0) -> None:
+        """Take a step for every row of ``results``, or as many as converge, ``before`` having been taken; see
+        :func:`kernels.strips.run`."""
         main, rest = (part.strip for part in self.parts)
-        kernel.run(self.code, main, rest, self.g, self.work, self.options, results)
+        kernel.run(self.code, main, rest, self.g, self.work, self.options, results, self.loads, self.shots, before)
 
     def reaction(self, out: Array) -> Array:
         """The support forces of the last step (n, 6)."""
@@ -227,15 +283,23 @@ def _part(
     stride = group.layout.nn - 1
     at = stride * first + np.arange(stride * many + 1)[:, None]
     nodes, members = chain[at], first + np.arange(many)[:, None]
-    free: Array = np.where(fixed[nodes], 0.0, 1.0).transpose(0, 2, 1)  # (nodes, 6, LANES)
-    still = free.copy()
-    still[:, 3:] = 0.0
     own = np.zeros((len(nodes), LANES))
     own[:-1, :lanes] = 1.0
     if lanes:
         own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
+    strip = strip_of(stride, lanes, p[members].transpose(0, 2, 1), fixed[nodes].transpose(0, 2, 1), own, whole=False)
+    return Part(strip, nodes, order[members])
+
+
+def strip_of(stride: int, lanes: int, p: Array, held: NDArray[np.bool_], own: Array, *, whole: bool) -> Strip:
+    """A strip with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and the nodes that are booked."""
+    many, size = int(p.shape[0]), int(p.shape[1])
+    free: Array = np.where(held, 0.0, 1.0)
+    still = free.copy()
+    still[:, 3:] = 0.0
     first_free = free[:stride].copy()
     first_free[0] = 0.0
+    nodes = len(free)
 
     def lane(values: int, count: int = 1) -> Array:
         return _room(count * values * LANES)
@@ -243,19 +307,15 @@ def _part(
     nn = stride + 1
     results = 6 * nn + 36 * nn * nn
     out = lane(results, min(many, BATCH))
-    strip = Strip(
-        many, lanes, stride, results, p.shape[1],
-        x=lane(rows.NODE, len(nodes)), p=_aligned(p[members].transpose(0, 2, 1)), load=lane(6, len(nodes)),
-        first_load=lane(6, stride), free=_aligned(free), first_free=first_free.ravel(),
-        still=_aligned(still),
-        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), far=np.zeros(many, np.uint8), own=own.ravel(),
-        row=lane(rows.ROW, many + 1),
-        within=lane(rows.ROW, many * (stride - 1)), out=out, small=lane(156) if stride > 1 else out,
-        carry=lane(rows.CARRY), none=lane(36), res=lane(6, len(nodes)), f=lane(6), du=lane(6, len(nodes)),
-        start=lane(3, len(nodes)),
-        turn=np.full(many * LANES, -3.0),
+    return Strip(
+        many, lanes, stride, int(whole), results, size,
+        x=lane(rows.NODE, nodes), p=_aligned(p), load=lane(6, nodes), first_load=lane(6, stride), free=_aligned(free),
+        first_free=first_free.ravel(), still=_aligned(still),
+        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), far=np.full(many + 1, whole, np.uint8),
+        own=own.ravel(), row=lane(rows.ROW, many + 1), within=lane(rows.ROW, many * (stride - 1)), out=out,
+        small=lane(156) if stride > 1 else out, carry=lane(rows.CARRY), none=lane(156), res=lane(6, nodes), f=lane(6),
+        du=lane(6, nodes), start=lane(3, 0 if whole else nodes), turn=np.full(many * LANES, -3.0),
     )  # fmt: skip
-    return Part(strip, nodes, order[members])
 
 
 def _room(count: int) -> Array:
@@ -271,16 +331,16 @@ def _aligned(values: Array) -> Array:
     return out
 
 
-def _joints(fixed: NDArray[np.uint8]) -> Joints:
+def work_for(fixed: NDArray[np.uint8], largest: int) -> Work:
     n = len(fixed)
-    return Joints(
+    return Work(
         elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
-        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(2), np.zeros(1),
-        np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
+        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(largest),
+        np.zeros(LANES), np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
     )  # fmt: skip
 
 
-def _code(group: Group, aligned: bool) -> Ints:
+def code_of(group: Group, aligned: bool, *, whole: bool) -> Ints:
     """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strip_elimination`."""
     element, layout = group.element, group.layout
     about = f"{layout} {element} {aligned}"
@@ -298,10 +358,11 @@ def _code(group: Group, aligned: bool) -> Ints:
         ("backward", lambda: rows.backward(far=False)),
         ("backward far", lambda: rows.backward(far=True)),
         ("measure", rows.measure),
-        ("move", rows.move),
+        (f"move {whole}", lambda: rows.move(each=whole)),
         (f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
         ("finish", rows.finish),
         ("less", rows.product),
+        ("balance 2", lambda: rows.residual(2)),
     ]
     middle: list[tuple[str, Callable[[], Code]]] = [
         ("middle", lambda: rows.pivot(masked=False, inner=False)),

@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
-__all__ = ["line", "time_left"]
+Told = TypeVar("Told", bound=Callable[[float, str], None])
+
+__all__ = ["every_step", "line", "now_and_then", "time_left"]
+
+
+def now_and_then(progress: Told) -> Told:
+    """Mark a ``progress`` that need not be called after every step: the steps of some 50 ms may be taken at once."""
+    setattr(progress, "every_step", False)  # noqa: B010
+    return progress
+
+
+def every_step(progress: object) -> bool:
+    """Whether a run has to call its ``progress`` after every step: what users give, but nothing of our own."""
+    return progress is not None and progress is not True and getattr(progress, "every_step", True)
 
 
 def line(

@@ -13,7 +13,7 @@ from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
 from directrix.kernels.rates import NONE
 
-__all__ = ["acts", "assemble", "books", "commit", "element_tangents", "ground", "internal_forces", "lost"]
+__all__ = ["acts", "assemble", "books", "books_of", "commit", "element_tangents", "ground", "internal_forces", "lost"]
 
 COORDINATE = 6  # place in the row of a joint
 # columns of tables.head
@@ -362,3 +362,10 @@ def books(tables, work, x, totals, strains):
                     for c in range(6):
                         strains[tables.station[head[ELEMENT] + e] + point, c] = out[at + 1 + c]
                     at += 7
+
+
+@compiled
+def books_of(tables, work, states, totals, strains):
+    """:func:`books` of ``states`` (k, ≥ n, 40): ``totals`` (k, 11), ``strains`` (k, stations, 6)."""
+    for k in range(states.shape[0]):
+        books(tables, work, states[k], totals[k], strains[k])

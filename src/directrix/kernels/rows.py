@@ -106,7 +106,7 @@ def pivot(masked: bool, inner: bool) -> Code:
     middle node of an element of three they are from ``out`` alone, and G is as well.
 
     ``masked``: ``free`` (6) is 0 where the node is held. U and F, which the caller multiplies, are then masked in
-    place: in ``out`` and ``carry``, or both in ``out``.
+    place: in ``out`` and ``carry``, or both in ``out``; so are the columns of D⁻¹, for right-hand sides to come.
     """
     graph = Graph()
     out = graph.inputs("out", 156 if inner else 342)
@@ -121,13 +121,15 @@ def pivot(masked: bool, inner: bool) -> Code:
         d, f, u, low = k[1, 1], k[1, 0], k[1, 2], k[2, 1]
         b = [p - q for p, q in zip(load, out[6:12], strict=True)]
     stores: list[Store] = []
+    free = graph.inputs("free", 6) if masked else []
     if masked:
-        d, f, u, b = _held(graph.inputs("free", 6), d, f, u, b)
+        d, f, u, b = _held(free, d, f, u, b)
         to_u, to_f = ("out", block(2, 0, 1) if inner else block(3, 1, 2)), ("out", block(3, 1, 0))
         for (array, at), matrix in ((to_u, u), (("carry", 36) if inner else to_f, f)):
             stores += [Store(array, at + i, v) for i, v in enumerate(_flat(matrix))]
     di = inverse(d)
-    row = [*(-v for v in _flat(di)), *_flat(low), *([] if inner else _flat(k[0, 1]))]
+    known = [[v * m for v, m in zip(row, free, strict=True)] for row in di] if masked else di
+    row = [*(-v for v in _flat(known)), *_flat(low), *([] if inner else _flat(k[0, 1]))]
     stores += [Store("row", i, v) for i, v in enumerate(row)]
     stores += [Store("row", 180 + i, v) for i, v in enumerate(_flat(times(di, _column(b))))]
     arrays = ("out", *(("carry",) if inner else ()), "load", "row", *(("free",) if masked else ()))
@@ -214,9 +216,9 @@ def measure() -> Code:
     return Code(graph, ("du", "size"), [s for s in stores if s.array == "size"], recorded=True)
 
 
-def move() -> Code:
-    """r1 += c u, Δr += c u, R1 ← cay(c θ) R1. To second order the Cayley transform is the exponential: Newton's
-    iteration converges as fast, and to the same."""
+def move(each: bool) -> Code:
+    """r1 += c u, Δr += c u, R1 ← cay(c θ) R1, c one number, or one for ``each`` lane. To second order the Cayley
+    transform is the exponential: Newton's iteration converges as fast, and to the same."""
     graph = Graph()
     x, du, (c,) = graph.inputs("x", NODE), graph.inputs("du", 6), graph.inputs("c", 1)
     step = [c * v for v in du]
@@ -229,7 +231,7 @@ def move() -> Code:
         # cay(t) d = d + f t × (d + ½ t × d)
         turned = cross(t, [p + 0.5 * q for p, q in zip(d, cross(t, d), strict=True)])
         stores += [Store("x", a + k, d[k] + factor * turned[k]) for k in range(3)]
-    return Code(graph, ("x", "du", "c"), stores, ("c",))
+    return Code(graph, ("x", "du", "c"), stores, () if each else ("c",))
 
 
 def residual(nn: int) -> Code:

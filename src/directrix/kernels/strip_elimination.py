@@ -11,8 +11,8 @@ __all__ = ["BATCH", "eliminate_strip", "pass_again"]
 # places of the machine code of a strip
 (
     TANGENT, RESIDUAL, AUDIT, PIVOT, HOLD, PASS_ON, PASS_ON_FAR, FORWARD, FORWARD_FAR, BACKWARD, BACKWARD_FAR, MEASURE,
-    MOVE, BALANCE, FINISH, LESS, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
-) = range(20)  # fmt: skip
+    MOVE, BALANCE, FINISH, LESS, BALANCE_LAST, MIDDLE, MIDDLE_HOLD, MIDDLE_ON, INSIDE,
+) = range(21)  # fmt: skip
 BATCH = 4
 """Elements whose tangents are computed before they are eliminated: the code of neither is small, and both together do
 not stay in the instruction cache."""
@@ -63,16 +63,23 @@ def _start(s, small, at):
 
 
 @inner
+def _pivot(code, s, small, at, e, frozen):
+    """The row of the first node of element ``e``, or of the last one of the strip, with ``small`` behind it."""
+    node = e * s.stride * SIX
+    if frozen:
+        call_lanes(code[HOLD], small, at, s.carry, 0, s.load, node, s.row, e * R, s.still, node)
+    elif s.held[e]:
+        call_lanes(code[HOLD], small, at, s.carry, 0, s.load, node, s.row, e * R, s.free, node)
+    else:
+        call_lanes(code[PIVOT], small, at, s.carry, 0, s.load, node, s.row, e * R)
+
+
+@inner
 def _eliminate(code, s, e, small, small_at, frozen, far):
     """Eliminate the first node of element ``e``, an element of two nodes in ``small[small_at:]``; ``far`` when it feels
     nothing of the first node of the strip."""
-    row, carry, none, at, node = s.row, s.carry, s.none, e * R, e * s.stride * SIX
-    if frozen:
-        call_lanes(code[HOLD], small, small_at, carry, 0, s.load, node, row, at, s.still, node)
-    elif s.held[e]:
-        call_lanes(code[HOLD], small, small_at, carry, 0, s.load, node, row, at, s.free, node)
-    else:
-        call_lanes(code[PIVOT], small, small_at, carry, 0, s.load, node, row, at)
+    row, carry, none, at = s.row, s.carry, s.none, e * R
+    _pivot(code, s, small, small_at, e, frozen)
     blocks = small_at + 2 * SIX
     call_lanes(code[LESS], row, at, small, blocks + 2 * BLOCK, none, 0, row, at + UP)
     call_lanes(code[LESS], row, at + LOW, row, at + UP, small, blocks + 3 * BLOCK, carry, 0)
@@ -109,9 +116,12 @@ def _feels_nothing(s, e):
 
 @inner
 def eliminate_strip(code, s, g, frozen):
-    """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts."""
+    """Assemble and eliminate: rows of the inner nodes, and in ``s.carry`` what couples the ends of the parts; of whole
+    chains rows of all nodes."""
     size = s.results * LANES
-    far = False
+    far = s.whole > 0
+    for k in range(s.carry.shape[0] if far else 0):
+        s.carry[k] = 0.0
     for first in range(0, s.elements, BATCH):
         last = min(first + BATCH, s.elements)
         for e in range(first, last):
@@ -123,12 +133,14 @@ def eliminate_strip(code, s, g, frozen):
             if s.stride == 2:
                 _middle(code, s, e, at, frozen)
                 small, at = s.small, 0
-            if e == 0:
+            if e == 0 and s.whole == 0:
                 _start(s, small, at)
             else:
                 _eliminate(code, s, e, small, at, frozen, far)
         if not far and last < s.elements:
             far = _feels_nothing(s, last - 1)
+    if s.whole > 0:
+        _pivot(code, s, s.none, 0, s.elements, frozen)
 
 
 @inner
@@ -138,9 +150,9 @@ def pass_again(code, s):
     for e in range(s.elements if s.stride == 2 else 0):
         call_lanes(code[INSIDE], s.within, e * R, s.res, 2 * e * SIX)
     for k in range(SIX):
-        s.carry[108 * LANES + k] = 0.0
-        s.carry[156 * LANES + k] = s.res[k]
-    for e in range(1, s.elements):
+        s.carry[RHS + k] = 0.0
+        s.carry[OWN_RHS + k] = s.res[k]
+    for e in range(0 if s.whole else 1, s.elements + s.whole):
         call_lanes(code[FORWARD_FAR if s.far[e] else FORWARD], s.row, e * R, s.res, e * s.stride * SIX, s.carry, 0)
-    for k in range(SIX):
-        s.carry[108 * LANES + k] += s.res[last + k]
+    for k in range(0 if s.whole else SIX):
+        s.carry[RHS + k] += s.res[last + k]

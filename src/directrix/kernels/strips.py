@@ -2,7 +2,8 @@
 
 The chain is cut into LANES parts of equal length that lie side by side in one strip; the up to LANES − 1 elements that
 are left over follow as a second strip, one element long. Inner nodes are eliminated in lanes (:mod:`rows`), the few
-nodes where parts meet are solved for as a chain of their own. All arrays are flat and end in [… value][lane].
+nodes where parts meet are solved for as a chain of their own. All arrays are flat and end in [… value][lane]. Strips of
+whole chains (``s.whole``) belong to :mod:`bundle`.
 """
 # pyright: basic, reportCallIssue=false
 
@@ -18,6 +19,7 @@ from directrix.kernels.strip_elimination import (
     BACKWARD,
     BACKWARD_FAR,
     BALANCE,
+    BALANCE_LAST,
     FINISH,
     MEASURE,
     MOVE,
@@ -29,7 +31,10 @@ from directrix.kernels.strip_elimination import (
     pass_again,
 )
 
-__all__ = ["MOVES", "RESULTS", "SHOWN", "TANGENTS", "close", "imbalance", "move", "pack", "run", "solve", "unpack"]
+__all__ = [
+    "LARGE_TURN", "MOVES", "RESULTS", "SHOWN", "TANGENTS", "balance", "close", "finest", "imbalance", "judged", "load",
+    "move", "pack", "rows_back", "run", "shoot", "solve", "unpack", "zero",
+]  # fmt: skip
 
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
@@ -42,7 +47,7 @@ RESULTS = MOVES + 2 * SHOWN
 
 
 @inner
-def _zero(values):
+def zero(values):
     """All of a flat array; here and elsewhere loops in place of slices that are assigned, which are slow to compile."""
     for k in range(values.shape[0]):
         values[k] = 0.0
@@ -69,8 +74,8 @@ def solve(code, main, rest, w, frozen, only_right):
     """Solve for the nodes where parts meet, then backwards through all rows; largest displacement and turn, and a sum
     that shows what is not finite."""
     if not only_right:
-        _zero(w.blocks.reshape(-1))
-    _zero(w.rhs.reshape(-1))
+        zero(w.blocks.reshape(-1))
+    zero(w.rhs.reshape(-1))
     for part in range(2):  # one call for both strips: what is called is compiled into each place
         _join(main if part == 0 else rest, part * main.lanes, w, only_right)
     for a in range(w.rhs.shape[0]):
@@ -85,7 +90,7 @@ def solve(code, main, rest, w, frozen, only_right):
                 w.blocks[3 * a + 1, i, i] = 1.0
     if solve_chain(w.eliminate, w.blocks, w.rhs, w.factors, w.du) >= 0:
         return 0.0, 0.0, False
-    _zero(w.size)
+    zero(w.size)
     for part in range(2):
         _back(code, main if part == 0 else rest, part * main.lanes, w)
     moved = turned = total = 0.0
@@ -97,8 +102,7 @@ def solve(code, main, rest, w, frozen, only_right):
 
 @inner
 def _back(code, s, first, w):
-    step = s.stride * SIX
-    last = s.elements * step
+    last = s.elements * s.stride * SIX
     for lane in range(LANES):
         a = first + min(lane, max(s.lanes - 1, 0))
         for i in range(6):
@@ -108,7 +112,14 @@ def _back(code, s, first, w):
         return
     call_lanes(code[MEASURE], s.du, 0, w.size, 0)
     call_lanes(code[MEASURE], s.du, last, w.size, 0)
-    for e in range(s.elements - 1, 0, -1):
+    rows_back(code, s, w)
+
+
+@inner
+def rows_back(code, s, w):
+    """Increments of all nodes from that of the last, and of the first where it has no row."""
+    step = s.stride * SIX
+    for e in range(s.elements - 1, -1 if s.whole else 0, -1):
         back = BACKWARD_FAR if s.far[e] else BACKWARD
         call_lanes(code[back], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
@@ -123,8 +134,9 @@ def move(code, s, scale):
 
 
 @inner
-def _balance(code, s, first, g, w):
-    """``s.res`` of the inner nodes, and what the parts leave on their ends in ``w.res``."""
+def balance(code, s, first, g, w):
+    """``s.res`` of the inner nodes, and what the parts leave on their ends in ``w.res``; of whole chains ``s.res`` of
+    all nodes."""
     if s.lanes == 0:
         return
     for k in range(SIX):
@@ -132,7 +144,7 @@ def _balance(code, s, first, g, w):
     for e in range(s.elements):
         at = e * s.stride
         call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
-        if e == 0:
+        if e == 0 and s.whole == 0:
             for lane in range(s.lanes):
                 for i in range(6):
                     w.res[first + lane, i] -= s.out[i * LANES + lane]
@@ -140,7 +152,10 @@ def _balance(code, s, first, g, w):
         else:
             to = at * SIX
             call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
-    for lane in range(s.lanes):
+    if s.whole:
+        to = s.elements * s.stride * SIX
+        call_lanes(code[BALANCE_LAST], s.none, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
+    for lane in range(0 if s.whole else s.lanes):
         for i in range(6):
             w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
 
@@ -148,12 +163,12 @@ def _balance(code, s, first, g, w):
 @inner
 def imbalance(code, main, rest, g, w, options):
     """Residual of all nodes; the largest unbalanced force or moment over what is allowed, 1e300 if not finite."""
-    _zero(w.most)
+    zero(w.most)
     for a in range(w.res.shape[0]):
         for i in range(6):
             w.res[a, i] = w.load[a, i]
     for part in range(2):
-        _balance(code, main if part == 0 else rest, part * main.lanes, g, w)
+        balance(code, main if part == 0 else rest, part * main.lanes, g, w)
     force, moment, off_f, off_m, total = w.largest[0], w.largest[1], 0.0, 0.0, 0.0
     for lane in range(LANES):
         force, moment = max(force, w.most[lane]), max(moment, w.most[LANES + lane])
@@ -184,11 +199,31 @@ def _ends(s, first, w, own):
 
 
 @inner
+def finest(s):
+    """Size of an increment that is round-off."""
+    return max(SETTLED, ROUNDED * sqrt(s.elements * s.stride))
+
+
+@inner
+def judged(moved, turned, length, before, again, fine):
+    """An increment against the one ``before``, made with an old tangent or not: its size; whether it is small, and so
+    small that the next is round-off; whether the next ones may do with the tangent that there is."""
+    size = max(moved / length, turned)
+    # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
+    rate = size / before if before > 0.0 else 1.0
+    if not again:
+        rate *= rate
+    small = moved <= 1e-9 * length and turned <= 1e-9
+    settled = not again or size * rate <= fine
+    return size, small, settled, rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
+
+
+@inner
 def _iterate(code, main, rest, g, w, options, row):
     """Newton's iteration; the number of increments, 0 when the general solver has to take the step;
     and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
-    fine = max(SETTLED, ROUNDED * sqrt(main.elements * main.stride))
+    fine = finest(main)
     frozen = again = False
     before, tangents = 0.0, 0
     for iteration in range(1, allowed + 1):
@@ -211,15 +246,7 @@ def _iterate(code, main, rest, g, w, options, row):
         if frozen or turned > LARGE_TURN:
             frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
             continue
-        size = max(moved / length, turned)
-        # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
-        rate = size / before if before > 0.0 else 1.0
-        if not again:
-            rate *= rate
-        settled = not again or size * rate <= fine
-        small = moved <= 1e-9 * length and turned <= 1e-9
-        again = rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
-        before = size
+        before, small, settled, again = judged(moved, turned, length, before, again, fine)
         if again or small:
             worst = imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
@@ -251,48 +278,11 @@ def close(code, s, g, w):
             code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
             g, 0, w.sums, 0,
         )  # fmt: skip
-    _zero(w.books)
+    zero(w.books)
     for e in range(s.elements if s.lanes else 0):
         call_lanes(
             code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
         )
-
-
-@compiled
-def run(code, main, rest, g, w, options, results):
-    """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
-
-    A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
-    orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
-    iterations. When a step does not converge the state
-    is that at its start.
-    """
-    for k in range(results.shape[0]):
-        for part in range(2):
-            _keep(main if part == 0 else rest, False)
-        row = results[k]
-        _zero(row)
-        iterations, tangents = _iterate(code, main, rest, g, w, options, row)
-        if iterations == 0:
-            for part in range(2):
-                _keep(main if part == 0 else rest, True)
-            return k
-        row[ITERATIONS], row[TANGENTS] = iterations, tangents
-        _zero(w.sums)
-        _zero(w.loss)
-        for part in range(2):
-            s = main if part == 0 else rest
-            _ends(s, part * main.lanes, w, True)
-            close(code, s, g, w)
-            for lane in range(s.lanes):
-                for c in range(8):
-                    row[BOOKS + c] += w.books[c * LANES + lane]
-        for lane in range(LANES):
-            for c in range(7):
-                row[WORK + c] += w.sums[c * LANES + lane]
-            row[HELD] += w.sums[7 * LANES + lane]
-            row[LOSS] = max(row[LOSS], w.loss[lane])
-    return results.shape[0]
 
 
 @compiled
@@ -325,3 +315,88 @@ def unpack(lanes, nodes, frames, x):
                         for c in range(3):
                             s += lanes[(NODE * i + part + 3 + 3 * c + k) * LANES + lane] * frames[node, column, c]
                         x[node, part + 3 + 3 * column + k] = s
+
+
+@inner
+def _react(s, nodes, fixed, out):
+    """Forces of the supports on the nodes of a strip in the step that was closed last."""
+    for i in range(nodes.shape[0]):
+        for lane in range(nodes.shape[1]):
+            node = nodes[i, lane]
+            for c in range(6):
+                out[node, c] = -s.res[(6 * i + c) * LANES + lane] if fixed[node, c] else 0.0
+
+
+@inner
+def shoot(s, nodes, shots, k):
+    """The state of a strip and its reactions, as the ``k``-th of ``shots``."""
+    unpack(s.x, nodes, shots.frames, shots.x[k])
+    _react(s, nodes, shots.fixed, shots.reaction[k])
+
+
+@inner
+def load(s, w, values, largest):
+    """The loads of a step on a strip, and the largest of them."""
+    for k in range(values.shape[0]):
+        s.load[k] = values[k]
+    for k in range(SIX, s.first_load.shape[0]):
+        s.first_load[k] = s.load[k]
+    for k in range(largest.shape[0]):
+        w.largest[k] = largest[k]
+
+
+@inner
+def _loads(main, rest, w, loads, k):
+    load(main, w, loads.main[k], loads.largest[k])
+    load(rest, w, loads.rest[k], loads.largest[k])
+    for a in range(w.load.shape[0]):
+        for i in range(6):
+            w.load[a, i] = loads.joints[k, a, i]
+
+
+@compiled
+def run(code, main, rest, g, w, options, results, loads, shots, before):
+    """Take steps, one a row of ``results`` (steps, RESULTS), as long as they converge; how many did.
+
+    ``before`` steps were taken already; of every ``shots.every``-th the state and the reactions are kept. ``loads``
+    have a row for every step, or one for all.
+
+    A row: iterations, work of the loads, Σ force (3), Σ moment (3), W, T, L (3), J (3), largest squared loss of
+    orthonormality, Σ |support force|², how many iterations had a new tangent, displacement and turn of the first SHOWN
+    iterations. When a step does not converge the state
+    is that at its start.
+    """
+    kept = 0
+    for k in range(results.shape[0]):
+        if k < loads.main.shape[0]:
+            _loads(main, rest, w, loads, k)
+        for part in range(2):
+            _keep(main if part == 0 else rest, False)
+        row = results[k]
+        zero(row)
+        iterations, tangents = _iterate(code, main, rest, g, w, options, row)
+        if iterations == 0:
+            for part in range(2):
+                _keep(main if part == 0 else rest, True)
+            return k
+        row[ITERATIONS], row[TANGENTS] = iterations, tangents
+        zero(w.sums)
+        zero(w.loss)
+        for part in range(2):
+            s = main if part == 0 else rest
+            _ends(s, part * main.lanes, w, True)
+            close(code, s, g, w)
+            for lane in range(s.lanes):
+                for c in range(8):
+                    row[BOOKS + c] += w.books[c * LANES + lane]
+        for lane in range(LANES):
+            for c in range(7):
+                row[WORK + c] += w.sums[c * LANES + lane]
+            row[HELD] += w.sums[7 * LANES + lane]
+            row[LOSS] = max(row[LOSS], w.loss[lane])
+        if (before + k + 1) % shots.every == 0:
+            # of a node that is in both strips the main one has the last word
+            shoot(rest, shots.rest, shots, kept)
+            shoot(main, shots.main, shots, kept)
+            kept += 1
+    return results.shape[0]

@@ -109,7 +109,7 @@ class Case:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
         from directrix.diagnosis import examine, refuse
         from directrix.discretisation import discretise
-        from directrix.dynamics import refuse_damping
+        from directrix.motion import refuse_damping
         from directrix.statics import static_scheme
         from directrix.stepping import stepping
 

@@ -52,6 +52,8 @@ class Live:
     pages have the end of the run, then closes the server.
     """
 
+    every_step = False
+
     def __init__(self, port: int = 0, then: Callable[[float, str], None] | None = None) -> None:
         self.then, self.started = then, time.monotonic()
         self.lock = threading.Lock()
