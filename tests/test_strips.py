@@ -143,12 +143,12 @@ def test_a_step_that_does_not_converge_takes_the_general_way(monkeypatch: pytest
 def test_a_step_that_fails_in_lanes_only_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     run, calls = strips.Strips.run, list[int]()
 
-    def impatient(self: strips.Strips, results: np.ndarray) -> None:
+    def impatient(self: strips.Strips, results: np.ndarray, before: int) -> None:
         """Every third step gets one iteration."""
         calls.append(len(calls))
         allowed = self.options[5]
         self.options[5] = 1.0 if calls[-1] % 3 == 2 else allowed
-        run(self, results)
+        run(self, results, before)
         self.options[5] = allowed
 
     monkeypatch.setattr(strips.Strips, "run", impatient)
