@@ -27,6 +27,7 @@ import directrix as dx
 from directrix.bench import flying_rod, least
 from directrix.discretisation import discretise
 from directrix.fast import fast_for
+from directrix.kernels import strip_steps
 from directrix.kernels import strips as kernel
 from directrix.kernels.strip_elimination import eliminate_strip, pass_again
 from directrix.newton import Newton, Settings
@@ -73,23 +74,23 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
     fast = fast_for(newton, Fixed(DT, 0.0, 40), 40)
     assert fast is not None
-    strips, results = fast.strips, np.zeros((40, kernel.RESULTS))
+    strips, results = fast.strips, np.zeros((40, strip_steps.RESULTS))
     strips.pack(x)
     strips.set_loads(disc.external(0.0)[None])
     strips.run(results)
-    iterations, tangents = (float(results[:, column].mean()) for column in (0, kernel.TANGENTS))
+    iterations, tangents = (float(results[:, column].mean()) for column in (0, strip_steps.TANGENTS))
     (main, rest), code, g, work = (part.strip for part in strips.parts), strips.code, strips.g, strips.work
     work.scale[0] = 0.0  # increments are not added
     calls: dict[str, tuple[Callable[[], object], float]] = {
         "tangent and elimination": (lambda: eliminate_strip(code, main, g, False), tangents),
         "ends and back substitution": (lambda: kernel.solve(code, main, rest, work, False, False), iterations),
-        "update": (lambda: kernel.move(code, main, work.scale), iterations),
+        "update": (lambda: strip_steps.move(code, main, work.scale), iterations),
         "forces alone": (
             lambda: kernel.imbalance(code, main, rest, g, work, strips.options),
             iterations - tangents + 1,
         ),
         "right-hand side through old factors": (lambda: pass_again(code, main), iterations - tangents),
-        "books": (lambda: kernel.close(code, main, g, work), 1.0),
+        "books": (lambda: strip_steps.close(code, main, g, work), 1.0),
     }
     return {name: (1e9 * least(call, 41, time.perf_counter) / n, times) for name, (call, times) in calls.items()}
 

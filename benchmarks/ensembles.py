@@ -25,7 +25,7 @@ from directrix.bench import least
 from directrix.bundle import Bundle, fit_of
 from directrix.fast import fast_for
 from directrix.kernels.compile import LANES
-from directrix.kernels.strips import RESULTS
+from directrix.kernels.strip_steps import RESULTS
 from directrix.motion import Asked, Motion
 from directrix.stepping import Fixed
 

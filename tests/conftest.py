@@ -11,12 +11,16 @@ from typing import Any
 
 import pytest
 from browser import Browser, browser
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 from directrix.audit import Audit, DynamicBooks
 
 settings.register_profile("local", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
+# tools/mutants.py: one counterexample is enough, however large
+settings.register_profile(
+    "mutants", deadline=None, derandomize=True, max_examples=30, phases=[Phase.explicit, Phase.generate]
+)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 

@@ -12,10 +12,11 @@ from directrix import dynamics, strips
 from directrix.discretisation import discretise
 from directrix.kernels.compile import LANES
 from directrix.kernels.rows import ROW
-from directrix.kernels.strips import RESULTS
+from directrix.kernels.strip_steps import RESULTS
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.strips import strips_for
+from directrix.telling import now_and_then
 
 RUBBER = dx.Section.circle(radius=0.02, E=5e6, nu=0.5, rho=1100)
 LINE = dx.line((0, 0, 0), (1, 0, 0))
@@ -60,6 +61,7 @@ CASES = {
 
 
 def both(model: dx.Model, monkeypatch: pytest.MonkeyPatch, **options: object) -> tuple[dx.Result, dx.Result]:
+    """The second one in the general way."""
     fast = dx.simulate(model, **options)
     with monkeypatch.context() as patched:
         patched.setattr(dynamics, "fast_for", lambda *_: None)
@@ -75,9 +77,12 @@ def qualifies(model: dx.Model, integrator: dx.Integrator | None = None) -> bool:
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    model = CASES[name]
+    model, general = CASES[name], list[object]()
     assert qualifies(model)
+    solve = Newton.solve
+    monkeypatch.setattr(Newton, "solve", lambda self, *about: general.append(self) or solve(self, *about))
     fast, slow = both(model, monkeypatch, t_end=0.3, dt=0.01, save_every=7)
+    assert len(general) == len(slow.iterations), "steps in lanes failed, and were taken again in the general way"
     assert fast.success and slow.success and fast.audit.passed
     assert np.all(fast.trail.rows[:, 4] == -1.0)  # no step was left to the general way
     assert np.array_equal(fast.t, slow.t)
@@ -136,6 +141,25 @@ def test_a_step_that_does_not_converge_takes_the_general_way(monkeypatch: pytest
     assert np.abs(fast.r[-1] - slow.r[-1]).max() < 1e-9
 
 
+def test_a_step_that_fails_in_lanes_only_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, calls = strips.Strips.run, list[int]()
+
+    def impatient(self: strips.Strips, results: np.ndarray, before: int) -> None:
+        """Every third step gets one iteration."""
+        calls.append(len(calls))
+        allowed = self.options[5]
+        self.options[5] = 1.0 if calls[-1] % 3 == 2 else allowed
+        run(self, results, before)
+        self.options[5] = allowed
+
+    monkeypatch.setattr(strips.Strips, "run", impatient)
+    fast, slow = both(corner(), monkeypatch, t_end=0.1, dt=0.01, progress=lambda done, line: None)
+    assert fast.success and fast.audit.passed and len(calls) == len(fast.iterations) == 10
+    for quantity in ("r", "R", "v", "Rdot", "strain", "reaction"):
+        a, b = (np.asarray(getattr(way, quantity)) for way in (fast, slow))
+        assert np.abs(a - b).max() <= 2e-9 * max(1.0, np.abs(b).max()), quantity
+
+
 def test_what_it_cannot_do_is_left_to_the_general_way() -> None:
     assert not qualifies(rod().force("B", (0, 0, 1), follower=True))
     assert not qualifies(rod().prescribe("A", displacement=lambda t: (0, 0, t)))
@@ -162,3 +186,34 @@ def test_an_interrupted_run_keeps_its_last_state() -> None:
     result = dx.simulate(flight(21), t_end=0.2, dt=0.01, save_every=1000, progress=stop)
     assert result.status.code == "interrupted"
     assert result.t[-1] == pytest.approx(0.11) and len(result.iterations) == 11
+
+
+def test_who_looks_on_changes_no_bit() -> None:
+    """A user's progress is called after every step; what is our own after every call; nobody slows a run down least."""
+    calls: dict[str, list[float]] = {"each": [], "some": []}
+    options = {"t_end": 1.5, "dt": 0.01, "save_every": 2}
+    whole = dx.simulate(flight(21), **options)
+    each = dx.simulate(flight(21), **options, progress=lambda done, text: calls["each"].append(done))
+    seldom = now_and_then(lambda done, text: calls["some"].append(done))
+    some = dx.simulate(flight(21), **options, progress=seldom)
+    assert calls["each"] == pytest.approx(np.arange(1, 151) / 150) and calls["some"] == [64 / 150, 128 / 150, 1.0]
+    for run in (each, some):
+        for name in ("t", "r", "R", "v", "strain", "reaction", "iterations"):
+            assert np.array_equal(getattr(run, name), getattr(whole, name)), name
+        assert np.array_equal(run.energy.work, whole.energy.work) and run.audit == whole.audit
+
+
+def test_an_interrupt_within_a_call_keeps_what_was_saved_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = strips.Strips.run
+
+    def interrupted(self: strips.Strips, results: Any, before: int = 0) -> None:
+        run(self, results, before)
+        if before:
+            raise KeyboardInterrupt
+
+    whole = dx.simulate(flight(21), t_end=2.0, dt=0.01, save_every=3)
+    monkeypatch.setattr(strips.Strips, "run", interrupted)
+    part = dx.simulate(flight(21), t_end=2.0, dt=0.01, save_every=3)
+    assert part.status.code == "interrupted" and "t = 1.28" in part.status.sentence
+    assert part.t[-1] == 1.28 and np.array_equal(part.t[:-1], whole.t[:43])
+    assert np.array_equal(part.r[:-1], whole.r[:43]) and part.audit.passed

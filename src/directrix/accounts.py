@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.audit import DynamicBooks
-from directrix.kernels.strips import MOVES, SHOWN
+from directrix.kernels.strip_steps import MOVES, SHOWN
 from directrix.newton import Books, Newton
 from directrix.recorder import Instants
 from directrix.stepping import Fixed

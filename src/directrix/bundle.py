@@ -16,22 +16,12 @@ from directrix.kernels import bundle as kernel
 from directrix.kernels import rows
 from directrix.kernels.compile import LANES
 from directrix.kernels.record import Record
-from directrix.kernels.strips import RESULTS, pack, unpack
+from directrix.kernels.strip_steps import RESULTS, pack, unpack
 from directrix.motion import Motion
 from directrix.result import Result, Status
 from directrix.stepping import Fixed
-from directrix.strips import (
-    Loads,
-    Shots,
-    chain_of,
-    code_of,
-    frames_of,
-    nodes_of,
-    parameters_of,
-    steps_at_once,
-    strip_of,
-    work_for,
-)
+from directrix.strip import Loads, Shots, code_of, steps_at_once, strip_of, work_for
+from directrix.strips import chain_of, frames_of, nodes_of, parameters_of
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

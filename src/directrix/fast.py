@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from directrix.accounts import FOLLOW, Accounts, Taken
 from directrix.audit import DynamicBooks
 from directrix.keeping.memory import recall, remember
-from directrix.kernels.strips import RESULTS
+from directrix.kernels.strip_steps import RESULTS
 from directrix.newton import Books, Newton
 from directrix.stepping import Fixed
 from directrix.strips import Strips, strips_for

@@ -177,15 +177,13 @@ class Recorder:
         """Everything saved so far as a Result."""
         self.live.close()
         dt, cuts = self.log.arrays()
-        found: dict[str, Array] = {}
+        waiting = self.rows.rows()
+        found = waiting if not self.away else dict[str, Array]()
         first = 0
-        waiting = [{"rows": self.rows.count, **self.rows.rows()}]
-        for part in chain(earlier, waiting):  # one at a time: all of them twice may be more than there is room for
+        # one part at a time: all of them twice may be more than there is room for
+        for part in chain(earlier, [{"rows": self.rows.count, **waiting}]) if self.away else ():
             last = first + part["rows"]
             for name in part.keys() - {"rows", "iterations"}:
-                if part["rows"] == self.count:  # that is all there is
-                    found[name] = part[name]
-                    continue
                 if name not in found:
                     found[name] = np.empty((self.count, *part[name].shape[1:]))
                 found[name][first:last] = part[name]

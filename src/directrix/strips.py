@@ -7,7 +7,6 @@ Everything else, and every step that does not converge here, takes the general w
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -20,101 +19,18 @@ from directrix.groups import Group
 from directrix.kernels import rows
 from directrix.kernels import strips as kernel
 from directrix.kernels.compile import LANES
-from directrix.kernels.elimination import elimination_address
-from directrix.kernels.lanes import Code, lane_address
-from directrix.kernels.record import Record
-from directrix.kernels.strip_elimination import BATCH
+from directrix.kernels.strip_steps import pack, unpack
 from directrix.scheme import Rates, Scheme
+from directrix.strip import Loads, Shots, Strip, code_of, steps_at_once, strip_of, work_for
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = [
-    "Loads", "Shots", "Strips", "Work", "chain_of", "code_of", "frames_of", "nodes_of", "parameters_of",
-    "steps_at_once", "strip_of", "strips_for", "work_for",
-]  # fmt: skip
+__all__ = ["Strips", "chain_of", "frames_of", "nodes_of", "parameters_of", "strips_for"]
 
 FEWEST = 8
 """Elements from which on lanes are used."""
-MOST, ELEMENTS = 64, 50_000
-"""Steps of a call, and steps times elements: some 50 ms, after which progress and signals are looked at again."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
-
-
-class Strip(Record):
-    """Parts of a chain, or ``whole`` chains, side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes
-    an element. See :mod:`directrix.kernels.strips`."""
-
-    elements: int
-    lanes: int
-    stride: int
-    whole: int
-    results: int
-    parameters: int
-    x: Array
-    p: Array
-    load: Array
-    first_load: Array
-    free: Array
-    first_free: Array
-    still: Array
-    held: NDArray[np.uint8]
-    far: NDArray[np.uint8]
-    own: Array
-    row: Array
-    within: Array
-    out: Array
-    small: Array
-    carry: Array
-    none: Array
-    res: Array
-    f: Array
-    du: Array
-    start: Array
-    turn: Array
-
-
-class Work(Record):
-    """The nodes where parts meet, if they do, and what all parts share."""
-
-    eliminate: int
-    blocks: Array
-    rhs: Array
-    du: Array
-    factors: Array
-    fixed: NDArray[np.uint8]
-    load: Array
-    res: Array
-    size: Array
-    most: Array
-    largest: Array
-    scale: Array
-    sums: Array
-    books: Array
-    loss: Array
-
-
-class Loads(Record):
-    """What acts in the steps to come, one of them or one for all: on the strips as their ``load``, on the nodes where
-    parts meet (k, …, 6), and the largest force and moment (k, 2)."""
-
-    main: Array
-    rest: Array
-    joints: Array
-    largest: Array
-
-
-class Shots(Record):
-    """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``main`` and ``rest`` are the nodes of
-    the strips, ``frames`` and ``fixed`` those of all nodes."""
-
-    every: int
-    x: Array
-    reaction: Array
-    frames: Array
-    fixed: NDArray[np.uint8]
-    main: Ints
-    rest: Ints
 
 
 class Part(NamedTuple):
@@ -153,11 +69,6 @@ def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Arra
     if order is None or len(order) < max(FEWEST, 2 * LANES):
         return None
     return Strips(disc, scheme, order, options, every)
-
-
-def steps_at_once(elements: int) -> int:
-    """Steps of one call with so many elements."""
-    return max(1, min(MOST, ELEMENTS // elements))
 
 
 def nodes_of(group: Group, order: Ints) -> Ints:
@@ -227,7 +138,7 @@ class Strips:
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
         for part in self.parts:
-            kernel.pack(part.strip.x, part.nodes, self.frames, x)
+            pack(part.strip.x, part.nodes, self.frames, x)
 
     @property
     def every(self) -> int:
@@ -241,7 +152,7 @@ class Strips:
     def unpack(self, x: Array) -> None:
         """Write the state into ``x`` (≥ n, 40)."""
         for part in reversed(self.parts):
-            kernel.unpack(part.strip.x, part.nodes[:, : part.strip.lanes], self.frames, x)
+            unpack(part.strip.x, part.nodes[:, : part.strip.lanes], self.frames, x)
 
     def shift(self, by: Array) -> None:
         """Move all positions by −``by`` (3,)."""
@@ -289,86 +200,3 @@ def _part(
         own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
     strip = strip_of(stride, lanes, p[members].transpose(0, 2, 1), fixed[nodes].transpose(0, 2, 1), own, whole=False)
     return Part(strip, nodes, order[members])
-
-
-def strip_of(stride: int, lanes: int, p: Array, held: NDArray[np.bool_], own: Array, *, whole: bool) -> Strip:
-    """A strip with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and the nodes that are booked."""
-    many, size = int(p.shape[0]), int(p.shape[1])
-    free: Array = np.where(held, 0.0, 1.0)
-    still = free.copy()
-    still[:, 3:] = 0.0
-    first_free = free[:stride].copy()
-    first_free[0] = 0.0
-    nodes = len(free)
-
-    def lane(values: int, count: int = 1) -> Array:
-        return _room(count * values * LANES)
-
-    nn = stride + 1
-    results = 6 * nn + 36 * nn * nn
-    out = lane(results, min(many, BATCH))
-    return Strip(
-        many, lanes, stride, int(whole), results, size,
-        x=lane(rows.NODE, nodes), p=_aligned(p), load=lane(6, nodes), first_load=lane(6, stride), free=_aligned(free),
-        first_free=first_free.ravel(), still=_aligned(still),
-        held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), far=np.full(many + 1, whole, np.uint8),
-        own=own.ravel(), row=lane(rows.ROW, many + 1), within=lane(rows.ROW, many * (stride - 1)), out=out,
-        small=lane(156) if stride > 1 else out, carry=lane(rows.CARRY), none=lane(156), res=lane(6, nodes), f=lane(6),
-        du=lane(6, nodes), start=lane(3, 0 if whole else nodes), turn=np.full(many * LANES, -3.0),
-    )  # fmt: skip
-
-
-def _room(count: int) -> Array:
-    """Zeros that begin where a line of the cache does: a vector that lies across two costs two loads."""
-    room = np.zeros(count + 8)
-    first = -(room.ctypes.data // 8) % 8
-    return room[first : first + count]
-
-
-def _aligned(values: Array) -> Array:
-    out = _room(values.size)
-    out[:] = values.ravel()
-    return out
-
-
-def work_for(fixed: NDArray[np.uint8], largest: int) -> Work:
-    n = len(fixed)
-    return Work(
-        elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
-        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(largest),
-        np.zeros(LANES), np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
-    )  # fmt: skip
-
-
-def code_of(group: Group, aligned: bool, *, whole: bool) -> Ints:
-    """Addresses of the machine code, in the order of the names in :mod:`directrix.kernels.strip_elimination`."""
-    element, layout = group.element, group.layout
-    about = f"{layout} {element} {aligned}"
-    three = layout.nn > 2
-    codes: list[tuple[str, Callable[[], Code]]] = [
-        (f"tangent {about}", lambda: rows.step(element, layout, aligned, True)),
-        (f"residual {about}", lambda: rows.step(element, layout, aligned, False)),
-        (f"audit {about}", lambda: rows.audit(element, layout, aligned)),
-        ("pivot", lambda: rows.pivot(masked=False, inner=True)),
-        ("hold", lambda: rows.pivot(masked=True, inner=True)),
-        ("pass on", lambda: rows.pass_on(inner=True)),
-        ("pass on far", lambda: rows.pass_on(inner=True, far=True)),
-        ("forward", lambda: rows.forward(far=False)),
-        ("forward far", lambda: rows.forward(far=True)),
-        ("backward", lambda: rows.backward(far=False)),
-        ("backward far", lambda: rows.backward(far=True)),
-        ("measure", rows.measure),
-        (f"move {whole}", lambda: rows.move(each=whole)),
-        (f"balance {layout.nn}", lambda: rows.residual(layout.nn)),
-        ("finish", rows.finish),
-        ("less", rows.product),
-        ("balance 2", lambda: rows.residual(2)),
-    ]
-    middle: list[tuple[str, Callable[[], Code]]] = [
-        ("middle", lambda: rows.pivot(masked=False, inner=False)),
-        ("middle hold", lambda: rows.pivot(masked=True, inner=False)),
-        ("middle on", lambda: rows.pass_on(inner=False)),
-        ("inside", rows.inside),
-    ]
-    addresses = [lane_address(*code) for code in [*codes, *(middle if three else [])]]
-    return np.array(addresses + [0] * (0 if three else len(middle)), np.int64)

@@ -14,7 +14,7 @@ from directrix.kernels.call import call_lanes
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
 from directrix.kernels.strip_elimination import BACKWARD_FAR, SIX, R, eliminate_strip, pass_again
-from directrix.kernels.strips import (
+from directrix.kernels.strip_steps import (
     BOOKS,
     HELD,
     ITERATIONS,

@@ -1,0 +1,183 @@
+"""What a strip does in a step, be its lanes parts of one chain (:mod:`strips`) or chains (:mod:`bundle`)."""
+# pyright: basic, reportCallIssue=false
+
+from math import sqrt
+
+from directrix.kernels.call import call_lanes
+from directrix.kernels.compile import LANES
+from directrix.kernels.jit import compiled, inner
+from directrix.kernels.rows import NODE
+from directrix.kernels.strip_elimination import (
+    AUDIT,
+    BACKWARD,
+    BACKWARD_FAR,
+    BALANCE,
+    BALANCE_LAST,
+    FINISH,
+    MOVE,
+    RESIDUAL,
+    SIX,
+    R,
+    X,
+)
+
+__all__ = [
+    "LARGE_TURN", "MOVES", "RESULTS", "SHOWN", "TANGENTS", "balance", "close", "finest", "judged", "load", "move",
+    "pack", "rows_back", "shoot", "unpack", "zero",
+]  # fmt: skip
+
+LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
+SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
+ROUNDED = 2e-16  # what rounding leaves in an increment for every node of a lane; they add up at random
+REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
+# places of the results of a step
+ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS, MOVES = 0, 1, 2, 5, 8, 16, 17, 18, 19
+SHOWN = 12  # iterations of a step whose moves are among its results
+RESULTS = MOVES + 2 * SHOWN
+
+
+@inner
+def zero(values):
+    """All of a flat array; here and elsewhere loops in place of slices that are assigned, which are slow to compile."""
+    for k in range(values.shape[0]):
+        values[k] = 0.0
+
+
+@inner
+def rows_back(code, s, w):
+    """Increments of all nodes from that of the last, and of the first where it has no row."""
+    step = s.stride * SIX
+    for e in range(s.elements - 1, -1 if s.whole else 0, -1):
+        back = BACKWARD_FAR if s.far[e] else BACKWARD
+        call_lanes(code[back], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
+    for e in range(s.elements if s.stride == 2 else 0):
+        at = e * step
+        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip
+
+
+@inner
+def move(code, s, scale):
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+        call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
+
+
+@inner
+def balance(code, s, first, g, w):
+    """``s.res`` of the inner nodes, and what the parts leave on their ends in ``w.res``; of whole chains ``s.res`` of
+    all nodes."""
+    if s.lanes == 0:
+        return
+    for k in range(SIX):
+        s.f[k] = 0.0
+    for e in range(s.elements):
+        at = e * s.stride
+        call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
+        if e == 0 and s.whole == 0:
+            for lane in range(s.lanes):
+                for i in range(6):
+                    w.res[first + lane, i] -= s.out[i * LANES + lane]
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, w.most, 0)
+        else:
+            to = at * SIX
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
+    if s.whole:
+        to = s.elements * s.stride * SIX
+        call_lanes(code[BALANCE_LAST], s.none, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
+    for lane in range(0 if s.whole else s.lanes):
+        for i in range(6):
+            w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
+
+
+@inner
+def finest(s):
+    """Size of an increment that is round-off."""
+    return max(SETTLED, ROUNDED * sqrt(s.elements * s.stride))
+
+
+@inner
+def judged(moved, turned, length, before, again, fine):
+    """An increment against the one ``before``, made with an old tangent or not: its size; whether it is small, and so
+    small that the next is round-off; whether the next ones may do with the tangent that there is."""
+    size = max(moved / length, turned)
+    # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
+    rate = size / before if before > 0.0 else 1.0
+    if not again:
+        rate *= rate
+    small = moved <= 1e-9 * length and turned <= 1e-9
+    settled = not again or size * rate <= fine
+    return size, small, settled, rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
+
+
+@inner
+def load(s, w, values, largest):
+    """The loads of a step on a strip, and the largest of them."""
+    for k in range(values.shape[0]):
+        s.load[k] = values[k]
+    for k in range(SIX, s.first_load.shape[0]):
+        s.first_load[k] = s.load[k]
+    for k in range(largest.shape[0]):
+        w.largest[k] = largest[k]
+
+
+@inner
+def close(code, s, g, w):
+    """Books of the step, and x1 becomes x0."""
+    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+        call_lanes(
+            code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
+            g, 0, w.sums, 0,
+        )  # fmt: skip
+    zero(w.books)
+    for e in range(s.elements if s.lanes else 0):
+        call_lanes(
+            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
+        )
+
+
+@compiled
+def pack(lanes, nodes, frames, x):
+    """State rows of ``nodes`` (many, LANES) into lanes; the columns of rotations become those of R times the frame."""
+    for i in range(nodes.shape[0]):
+        for lane in range(LANES):
+            node = nodes[i, lane]
+            for part in range(0, 36, 12):
+                for k in range(3):
+                    lanes[(NODE * i + part + k) * LANES + lane] = x[node, part + k]
+                    for column in range(3):
+                        s = 0.0
+                        for c in range(3):
+                            s += x[node, part + 3 + 3 * c + k] * frames[node, c, column]
+                        lanes[(NODE * i + part + 3 + 3 * column + k) * LANES + lane] = s
+
+
+@compiled
+def unpack(lanes, nodes, frames, x):
+    """The way back from :func:`pack`, for the lanes that ``nodes`` has."""
+    for i in range(nodes.shape[0]):
+        for lane in range(nodes.shape[1]):
+            node = nodes[i, lane]
+            for part in range(0, 36, 12):
+                for k in range(3):
+                    x[node, part + k] = lanes[(NODE * i + part + k) * LANES + lane]
+                    for column in range(3):
+                        s = 0.0
+                        for c in range(3):
+                            s += lanes[(NODE * i + part + 3 + 3 * c + k) * LANES + lane] * frames[node, column, c]
+                        x[node, part + 3 + 3 * column + k] = s
+
+
+@inner
+def _react(s, nodes, fixed, out):
+    """Forces of the supports on the nodes of a strip in the step that was closed last."""
+    for i in range(nodes.shape[0]):
+        for lane in range(nodes.shape[1]):
+            node = nodes[i, lane]
+            for c in range(6):
+                out[node, c] = -s.res[(6 * i + c) * LANES + lane] if fixed[node, c] else 0.0
+
+
+@inner
+def shoot(s, nodes, shots, k):
+    """The state of a strip and its reactions, as the ``k``-th of ``shots``."""
+    unpack(s.x, nodes, shots.frames, shots.x[k])
+    _react(s, nodes, shots.fixed, shots.reaction[k])
