@@ -16,7 +16,7 @@ help:
 	@echo "make test       run the tests"
 	@echo "make test-long  run the long checks (minutes)"
 	@echo "make coverage   the tests, and which lines and branches they reach"
-	@echo "make mutants    change the mechanics here and there and see whether tests notice (hours; COUNT=60 SEED=1)"
+	@echo "make mutants    change the mechanics here and there and see whether tests notice (hours; COUNT=60 SEED=1 LOG=FILE)"
 	@echo "make test-petsc run the checks of PETSc on two processes (Debian's python3-petsc4py and openmpi-bin)"
 	@echo "make lint       ruff: rules and format"
 	@echo "make types      pyright, strict"
@@ -42,7 +42,7 @@ coverage: $(VENV)/.dev
 	raise SystemExit(not (lines >= 0.95 and branches >= 0.90))"
 
 mutants: $(VENV)/.dev
-	@$(RUN) tools/mutants.py --count $(or $(COUNT),60) --seed $(or $(SEED),1)
+	@$(RUN) tools/mutants.py --count $(or $(COUNT),60) --seed $(or $(SEED),1) $(if $(LOG),--log $(LOG))
 
 # Debian's PETSc goes with the system's Python and a NumPy before 2
 PETSC_DIR ?= $(lastword $(wildcard /usr/lib/petscdir/petsc*/*-real))

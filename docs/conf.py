@@ -101,15 +101,7 @@ def bars(app: object, what: str, name: str, thing: object, options: object, line
         literal = literal or line.endswith("::")
 
 
-def present(app: object, page: str, source: list[str]) -> None:
-    """Patterns of the index that no page is there for are left out: an empty one is an error to Sphinx."""
-    if page == "index":
-        lines = source[0].splitlines(keepends=True)
-        source[0] = "".join(line for line in lines if not line.endswith("*\n") or any(HERE.glob(line.strip() + ".md")))
-
-
 def setup(app: Any) -> None:
     """Write the list of public objects before anything is read."""
     _api.write(HERE / "api.rst")
-    app.connect("source-read", present)
     app.connect("autodoc-process-docstring", bars, priority=400)  # before numpydoc makes another text of it

@@ -122,7 +122,6 @@ def _too_fast() -> dx.Model:
     )
 
 
-@pytest.mark.open_ledger("a force so large folds an element before the step fails")
 def test_a_step_that_does_not_converge_gives_what_there_is() -> None:
     model = flying().force("b", lambda t: (0.0, 0.0, 0.0 if t < 0.5 else 1e7))
     result = dx.simulate(model, t_end=2.0, dt=0.1)

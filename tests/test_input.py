@@ -133,6 +133,7 @@ def test_what_only_follows_from_another_mistake_is_not_told(tmp_path: Path) -> N
     ("written", "fix"),
     [
         ("7850.", "write 7850.0"),
+        ("2e11.", "write 2e+11"),
         (".5", "write 0.5"),
         ("1_000,5", "write 1000.5"),
         ("1.234.567,8", "write 1234567.8"),

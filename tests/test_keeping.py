@@ -412,7 +412,9 @@ def test_what_is_recorded_and_how_steps_adapt_go_on_too(case: Path, monkeypatch:
 def test_a_run_that_has_ended_goes_on_until_later(case: Path) -> None:
     assert command("run", case, *BLIND)[0] == 0
     folder = case.with_suffix(".run")
+    assert command("export", folder, "--to", "csv")[0] == 0  # beside the result, where it does no harm
     assert command("resume", folder, "--until", 0.31, *BLIND)[0] == 0
+    assert (folder / "result-csv" / "energy.csv").is_file()
     longer = case.with_name("longer.toml")
     longer.write_text('title = "swing"\n' + CASE.replace("0.2\n", "0.31\n"))
     assert command("run", longer, *BLIND)[0] == 0

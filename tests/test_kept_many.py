@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,7 @@ def steps_taken(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 def test_members_that_are_done_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, whole = tmp_path / "many", dx.ensemble(ANGLES, **SHORT, build=swing)
+    folder, whole = tmp_path / "many", dx.ensemble(ANGLES, **SHORT, build=swing, bundle=False)
 
     def stop(fraction: float, line: str) -> None:
         if fraction > 0.5:
@@ -83,7 +84,7 @@ def test_members_that_are_done_are_not_run_again(tmp_path: Path, monkeypatch: py
 
 
 def test_other_processes_keep_their_members_too(tmp_path: Path) -> None:
-    alone = dx.ensemble(ANGLES, **SHORT, build=swing)
+    alone = dx.ensemble(ANGLES, **SHORT, build=swing, bundle=False)
     with ProcessPoolExecutor(2) as pool:
         dx.ensemble(ANGLES, **SHORT, build=swing, executor=pool, batch=1, folder=tmp_path / "many")
     for label in ANGLES:
@@ -114,19 +115,42 @@ def test_an_ensemble_that_was_killed_goes_on(tmp_path: Path, monkeypatch: pytest
         assert runs[k].r.tobytes() == dx.simulate(swing(members[k]), 2.0, 0.01).r.tobytes()
 
 
-def test_a_signal_ends_the_ensemble_and_not_a_member_alone(tmp_path: Path) -> None:
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """A shell has the programs that it runs behind a script ignore SIGINT; tests that send it want it heard."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
+@pytest.mark.parametrize(("after", "kept"), [(0.05, False), (0.05, True), (0.08, True)])
+def test_a_signal_ends_the_ensemble_and_not_a_member_alone(after: float, kept: bool, tmp_path: Path) -> None:
     late: list[float] = []
 
     def pull(t: float) -> tuple[float, float, float]:
-        if t > 0.05 and not late:
+        if t > after and not late:
             late.append(t)
             os.kill(os.getpid(), signal.SIGINT)
         return (0.0, 0.0, t)
 
-    for kept in ({}, {"folder": tmp_path / "many"}):
-        late.clear()
-        runs = dx.ensemble([swing(0.1).force("tip", pull), swing(0.2)], **SHORT, **kept)
-        assert "interrupted at" in runs.failures[0] and "was not run" in runs.failures[1] and runs.results[1] is None
+    where = {"folder": dx.Folder(tmp_path / "many", steps=1)} if kept else {"bundle": False}
+    runs = dx.ensemble([swing(0.1).force("tip", pull), swing(0.2)], **SHORT, **where)
+    assert "was not run" in runs.failures[1] and runs.results[1] is None
+    if after == 0.05:
+        assert "interrupted at" in runs.failures[0]
+    else:  # its last step was on: it has ended, and there is no other that would see to the signal
+        assert dx.load(tmp_path / "many" / "0" / "result.vtkhdf").success
+
+
+def test_members_before_an_interruption_are_there() -> None:
+    def build(angle: float) -> dx.Model:
+        if angle == 0.2:
+            raise KeyboardInterrupt
+        return swing(angle)
+
+    runs = dx.ensemble([0.1, 0.2, 0.3], **SHORT, build=build, batch=3, bundle=False)
+    assert runs.complete == (0,) and all("was not run" in runs.failures[k] for k in (1, 2))
 
 
 @pytest.mark.parametrize(

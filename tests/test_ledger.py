@@ -10,7 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import directrix as dx
+from directrix.audit import DynamicBooks
 from directrix.cli import app
+from directrix.newton import Books
 
 STIFF = {"EA": 2500, "GA1": 950, "GA2": 900, "EI1": 10, "EI2": 12, "GJ": 8}
 MASS = {"A_rho": 2.5, "I_rho1": 0.012, "I_rho2": 0.01}
@@ -76,6 +78,22 @@ def test_a_stiff_frame_at_rest_has_closed_books(dt: float, steps: int) -> None:
     model = model.rod(dx.line((0, 120, 0), (120, 130, 7)), stiff, name="beam", ends=("b", "c"), elements=5)
     audit = dx.simulate(model.clamp("a").fix("c", "x", "y", "z"), dt * steps, dt).audit
     assert audit.passed and len([e for e in audit.entries if e.claimed]) == 3, audit
+
+
+@pytest.mark.open_ledger("a dashpot is made to give energy")
+def test_a_source_that_gives_is_seen_though_energy_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    add = DynamicBooks.add
+
+    def giving(self: DynamicBooks, books: Books, dt: float) -> None:
+        taken = books.taken.copy()
+        if not self.taken.any():
+            taken[1] = -0.25
+        add(self, books._replace(taken=taken), dt)
+
+    monkeypatch.setattr(DynamicBooks, "add", giving)
+    *kept, back = dx.simulate(machine(), 3 * DT, DT).audit.entries
+    assert back.law == "dissipation" and not back.holds and all(entry.holds for entry in kept)
+    assert back.value == pytest.approx(0.25 / float(back.relative_to), rel=1e-5)
 
 
 def test_the_sources_are_printed_saved_and_in_the_summary(run: dx.Result, tmp_path: Path) -> None:

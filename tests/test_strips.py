@@ -61,6 +61,7 @@ CASES = {
 
 
 def both(model: dx.Model, monkeypatch: pytest.MonkeyPatch, **options: object) -> tuple[dx.Result, dx.Result]:
+    """The second one in the general way."""
     fast = dx.simulate(model, **options)
     with monkeypatch.context() as patched:
         patched.setattr(dynamics, "fast_for", lambda *_: None)
@@ -76,9 +77,12 @@ def qualifies(model: dx.Model, integrator: dx.Integrator | None = None) -> bool:
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    model = CASES[name]
+    model, general = CASES[name], list[object]()
     assert qualifies(model)
+    solve = Newton.solve
+    monkeypatch.setattr(Newton, "solve", lambda self, *about: general.append(self) or solve(self, *about))
     fast, slow = both(model, monkeypatch, t_end=0.3, dt=0.01, save_every=7)
+    assert len(general) == len(slow.iterations), "steps in lanes failed, and were taken again in the general way"
     assert fast.success and slow.success and fast.audit.passed
     assert np.all(fast.trail.rows[:, 4] == -1.0)  # no step was left to the general way
     assert np.array_equal(fast.t, slow.t)
@@ -135,6 +139,25 @@ def test_a_step_that_does_not_converge_takes_the_general_way(monkeypatch: pytest
     assert not fast.success and not slow.success
     assert fast.status.code == slow.status.code and fast.t[-1] == slow.t[-1]
     assert np.abs(fast.r[-1] - slow.r[-1]).max() < 1e-9
+
+
+def test_a_step_that_fails_in_lanes_only_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, calls = strips.Strips.run, list[int]()
+
+    def impatient(self: strips.Strips, results: np.ndarray, before: int) -> None:
+        """Every third step gets one iteration."""
+        calls.append(len(calls))
+        allowed = self.options[5]
+        self.options[5] = 1.0 if calls[-1] % 3 == 2 else allowed
+        run(self, results, before)
+        self.options[5] = allowed
+
+    monkeypatch.setattr(strips.Strips, "run", impatient)
+    fast, slow = both(corner(), monkeypatch, t_end=0.1, dt=0.01, progress=lambda done, line: None)
+    assert fast.success and fast.audit.passed and len(calls) == len(fast.iterations) == 10
+    for quantity in ("r", "R", "v", "Rdot", "strain", "reaction"):
+        a, b = (np.asarray(getattr(way, quantity)) for way in (fast, slow))
+        assert np.abs(a - b).max() <= 2e-9 * max(1.0, np.abs(b).max()), quantity
 
 
 def test_what_it_cannot_do_is_left_to_the_general_way() -> None:

@@ -44,10 +44,7 @@ def test_an_element_that_is_folded_is_no_equilibrium() -> None:
     assert not result.success and result.audit.largest_turn < np.radians(85)
 
 
-FOLDS = pytest.mark.open_ledger("the element is to fold")
-
-
-@pytest.mark.parametrize("elements", [pytest.param(1, marks=FOLDS), 8])
+@pytest.mark.parametrize("elements", [1, 8])
 def test_a_motion_that_folds_an_element_fails_its_audit_by_name(elements: int) -> None:
     """Twisted past a right angle an element holds nothing together, and conserves energy and momenta all the same."""
     section = dx.Section.from_moduli(

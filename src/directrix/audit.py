@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.formulations.directors import DirectorStep
+from directrix.formulations.directors import DirectorElement
 from directrix.keeping.memory import recall, remember
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class _Turn:
         angle = float(np.arccos(np.clip(0.5 * (self.dots - 1.0), -1.0, 1.0)))
         where = self.disc.element_place(self.element)
         notes = list(self.disc.mesh.notes)
-        if angle > FOLDED and any(isinstance(group.element, DirectorStep) for group in self.disc.groups):
+        if angle > FOLDED and any(isinstance(group.element, DirectorElement) for group in self.disc.groups):
             entries = [*entries, Entry("turn of an element", angle / FOLDED, 1.0, "90°")]
             notes.append(
                 f"{where} turned by {np.degrees(angle):.0f}° between its nodes; past a right angle interpolated "

@@ -6,6 +6,7 @@ Whatever is slow to import is imported by the command that needs it.
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 import traceback
@@ -96,6 +97,9 @@ class Format(StrEnum):
 
 def main() -> None:
     """The command ``directrix``; ``--traceback`` may stand anywhere."""
+    # importing makes objects that stay; looking for plugins of pydantic reads the entries of all packages installed
+    gc.set_threshold(50_000)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     if "--traceback" in sys.argv:
         program, *rest = sys.argv
         sys.argv = [program, "--traceback", *(a for a in rest if a != "--traceback")]
@@ -273,7 +277,7 @@ def _solve(
 def refine(
     case_file: CaseFile,
     quantity: Annotated[
-        str, typer.Option("--quantity", help="E.g. node:B:displacement:y, rod:mid:force:axial:max, energy:stored.")
+        str, typer.Option("--quantity", help="E.g. node:tip:displacement:y, rod:mid:force:axial:max, energy:stored.")
     ],
     levels: Annotated[int, typer.Option(help="Meshes and steps to compare; two cannot tell the order.")] = 3,
 ) -> None:
@@ -293,11 +297,12 @@ def check(
     no_picture: Annotated[bool, typer.Option("--no-picture", help="Draw no picture.")] = False,
 ) -> None:
     """Check a case without solving it; print and draw what would be solved, with every default and convention."""
-    from directrix.runs import can_draw
     from directrix.schema import load_case
+
+    case = load_case(case_file)  # what is refused is refused before the solvers are imported
+    from directrix.runs import can_draw
     from directrix.schema.describe import describe
 
-    case = load_case(case_file)
     print(describe(case))
     if no_picture:
         return
@@ -317,7 +322,9 @@ def check(
 @app.command(epilog="Example: directrix new mast --template cantilever")
 @_guarded
 def new(
-    name: Annotated[str | None, typer.Argument(help="Name of the case; default that of the template.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Name of the case; default that of the template.")
+    ] = None,
     template: Annotated[
         str | None, typer.Option("--template", "-t", help="What to begin with; asked if left out.")
     ] = None,
@@ -354,7 +361,9 @@ def new(
 @_guarded
 def convert(
     case_file: CaseFile,
-    target: Annotated[Path, typer.Argument(help="The file to write: .json, or .toml.", show_default=False)],
+    target: Annotated[
+        Path, typer.Argument(metavar="TARGET", help="The file to write: .json, or .toml.", show_default=False)
+    ],
 ) -> None:
     """Write a case in the other language, TOML or JSON; comments are lost, and it is said."""
     from directrix.schema.convert import convert as to
@@ -496,7 +505,7 @@ def movie(
 @app.command(epilog="Example: directrix examples bend45 --copy .")
 @_guarded
 def examples(
-    name: Annotated[str | None, typer.Argument(help="Print this example.", show_default=False)] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Print this example.", show_default=False)] = None,
     copy: Annotated[Path | None, typer.Option("--copy", metavar="DIR", help="Copy it, or all of them, there.")] = None,
 ) -> None:
     """List the cases that come along, print one, or copy them out."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.checks import choice, number, text, whole
 from directrix.errors import ModelError
-from directrix.result import Mesh
+
+if TYPE_CHECKING:
+    from directrix.result import Mesh
 
 Array = NDArray[np.float64]
 

@@ -265,6 +265,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         counts = [len(at) for _, _, at, _ in chosen]
         conns = [index[at] for _, _, at, index in chosen]
         at_stress = [firsts[k] + layout.points * np.arange(n) for k, n in zip(which, counts, strict=True)]
+        own_weight = layout.eccentric and isinstance(element, DirectorElement)  # others are refused where there is any
         begin = 0
         for (rod, mesh, _, _), conn, n in zip(chosen, conns, counts, strict=True):
             part, begin = slice(begin, begin + n), begin + n
@@ -275,7 +276,7 @@ def discretise(model: Model, scheme: Scheme) -> Discretisation:
         found.append(
             Group(
                 element, layout, np.concatenate(conns), made.table, np.concatenate(at_stress), made.history,
-                lossy=layout.dragged and dynamic, works=layout.dragged or layout.actuated or layout.eccentric,
+                lossy=layout.dragged and dynamic, works=layout.dragged or layout.actuated or own_weight,
                 owners=tuple(name for (rod, *_), n in zip(chosen, counts, strict=True) for name in [rod.name] * n),
             )
         )  # fmt: skip

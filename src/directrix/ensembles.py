@@ -32,6 +32,7 @@ Member = tuple[Hashable, Any, Folder | None]
 __all__ = ["Ensemble", "ensemble"]
 
 ASKED = {field.name for field in fields(Asked)}
+NOTHING = None, ""  # is known of a member that was interrupted outside of its steps
 SECONDS = 0.1  # of work a batch should have: sending it to another process costs some milliseconds
 
 
@@ -154,11 +155,11 @@ def ensemble(
     settings = {"t_end": t_end, "dt": dt, **options}
     found: dict[Hashable, tuple[Result | None, str]] = {}
     report = reporting(progress)
-    ending = "it was not run: the ensemble was interrupted"
+    ending = "it was not run, or not known to have ended: the ensemble was interrupted"
     try:
         for outcomes in _run(tasks, build, settings, side_by_side, executor):
-            found.update({label: (result, sentence) for label, result, sentence in outcomes})
-            if any(_interrupted(result) for _, result, _ in outcomes):
+            found.update({label: (result, sentence) for label, result, sentence in outcomes if result or sentence})
+            if any(_interrupted(outcome) for outcome in outcomes):
                 raise KeyboardInterrupt  # it was caught where the member ran
             failed = sum(1 for _, sentence in found.values() if sentence)
             more = f", {failed} failed" if failed else ""
@@ -249,8 +250,9 @@ def _run(
             future.cancel()
 
 
-def _interrupted(result: Result | None) -> bool:
-    return result is not None and result.status.code == "interrupted"
+def _interrupted(outcome: Outcome) -> bool:
+    _, result, _ = outcome
+    return outcome[1:] == NOTHING or (result is not None and result.status.code == "interrupted")
 
 
 def _task(
@@ -280,7 +282,7 @@ class _Batch:
     @property
     def interrupted(self) -> bool:
         """True when a run was asked to end."""
-        return any(_interrupted(result) for _, result, _ in self.outcomes.values())
+        return any(_interrupted(outcome) for outcome in self.outcomes.values())
 
     def take(self, member: Member) -> None:
         """Run a member, or let it wait."""
@@ -295,6 +297,8 @@ class _Batch:
     def _keep(self, label: Hashable, run: Callable[[], Result | None]) -> None:
         try:
             result = run()
+        except KeyboardInterrupt:  # while it was built, or after its last step
+            self.outcomes[label] = label, *NOTHING
         except Exception as error:
             self.outcomes[label] = label, None, error.what if isinstance(error, ModelError) else repr(error)
         else:
@@ -316,7 +320,12 @@ class _Batch:
         return None
 
     def _together(self, group: list[tuple[Hashable, Model, Fit]]) -> None:
-        for (label, model, _), result in zip(group, run([fit for _, _, fit in group]), strict=True):
+        try:
+            results = run([fit for _, _, fit in group])
+        except KeyboardInterrupt:
+            self.outcomes |= {label: (label, *NOTHING) for label, _, _ in group}
+            return
+        for (label, model, _), result in zip(group, results, strict=True):
             self._keep(
                 label, lambda model=model, result=result: simulate(model, **self.settings) if result is None else result
             )

@@ -1,9 +1,9 @@
 """What a run is likely to cost, from a rule that is stated: no timing, nothing is run.
 
 An iteration takes 0.3 ms and, for every element, ``order`` times 4 µs in a chain and 25 µs in a frame; twice that in
-statics, which looks at the stability of what it finds. A step of dynamics takes 3 iterations, one of statics 5. The
-constants are those of one core of a common processor. Contacts, cuts and hard steps are not in it, so it is good to a
-factor of about three. What is kept is a state of 40 numbers a node and 12 a station.
+statics, where paths look at the stability of what they find. A step of dynamics takes 3 iterations, one of statics 5.
+The constants are those of one core of a common processor. Contacts, cuts and hard steps are not in it, so it is good to
+a factor of about three. What is kept is a state of 40 numbers a node and 12 a station.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = ["Cost", "cost"]
 BASE, CHAIN, FRAME = 3e-4, 4e-6, 25e-6  # seconds
 ITERATIONS = {"dynamics": 3, "statics": 5}
 PROGRAM = 250e6  # bytes of the program itself
-FIRST = 20  # seconds that compilers take the first time
+FIRST = 10  # seconds that compilers take the first time
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from directrix.checks import choice, shown
 from directrix.errors import ModelError
-from directrix.result import Mesh
+
+if TYPE_CHECKING:
+    from directrix.result import Mesh
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from directrix.basis import lagrange
 from directrix.checks import choice, file, number, shown, text
 from directrix.errors import InputError, ModelError
-from directrix.result import Mesh, RodMesh
+
+if TYPE_CHECKING:
+    from directrix.result import Mesh, RodMesh
 
 Array = NDArray[np.float64]
 

@@ -1,11 +1,10 @@
 """Steel profiles by their names: dimensions of the standards, everything else computed from them.
 
-Dimensions [mm]: IPE, HEA, HEB and UPN of EN 10365; hot-finished CHS and RHS with the corner radii of EN 10210-2,
-cold-formed ones ("CFRHS") with those of EN 10219-2. Area and second moments are those of the outline with its
-fillets. Torsion constants of beams follow El Darwish and Johnston (J. Struct. Div. ASCE 91 (1965) 203–227), of RHS the
-formula of EN 10210-2. For channels their formula takes flanges of one thickness and is 8 % too high for those that
-slope: UPN have what finite elements of the same outline give for Saint-Venant's problem (quadratic, converged to four
-digits). Shear areas and shear centres are those of thin walls, A_s = I²/∫(Q/t)² dA.
+Dimensions [mm]: IPE, HEA, HEB of EN 10365, UPN of DIN 1026-1 and EN 10365; hot-finished CHS and RHS with the corner
+radii of EN 10210-2, cold-formed ones ("CFRHS") with those of EN 10219-2. Area and second moments are those of the
+outline with its fillets. Torsion constants of RHS follow the formula of EN 10210-2; those of the others, and
+shear centres, are what quadratic finite elements of the same outline give for Saint-Venant's problem, converged to
+3e-4. Shear areas are those of thin walls, A_s = I²/∫(Q/t)² dA.
 """
 
 # pyright: reportUnknownArgumentType=false, reportUnknownVariableType=false, reportUnknownMemberType=false
@@ -31,22 +30,29 @@ Array = NDArray[np.float64]
 
 __all__ = ["PROFILES", "Shape", "profile", "rounded", "section_of"]
 
-IPE = """80 80 46 3.8 5.2 5; 100 100 55 4.1 5.7 7; 120 120 64 4.4 6.3 7; 140 140 73 4.7 6.9 7; 160 160 82 5 7.4 9;
-180 180 91 5.3 8 9; 200 200 100 5.6 8.5 12; 220 220 110 5.9 9.2 12; 240 240 120 6.2 9.8 15; 270 270 135 6.6 10.2 15;
-300 300 150 7.1 10.7 15; 330 330 160 7.5 11.5 18; 360 360 170 8 12.7 18; 400 400 180 8.6 13.5 21;
-450 450 190 9.4 14.6 21; 500 500 200 10.2 16 21; 550 550 210 11.1 17.2 24; 600 600 220 12 19 24"""
-HEA = """100 96 100 5 8 12; 120 114 120 5 8 12; 140 133 140 5.5 8.5 12; 160 152 160 6 9 15; 180 171 180 6 9.5 15;
-200 190 200 6.5 10 18; 220 210 220 7 11 18; 240 230 240 7.5 12 21; 260 250 260 7.5 12.5 24; 280 270 280 8 13 24;
-300 290 300 8.5 14 27; 320 310 300 9 15.5 27; 340 330 300 9.5 16.5 27; 360 350 300 10 17.5 27; 400 390 300 11 19 27;
-450 440 300 11.5 21 27; 500 490 300 12 23 27; 550 540 300 12.5 24 27; 600 590 300 13 25 27"""
-HEB = """100 100 100 6 10 12; 120 120 120 6.5 11 12; 140 140 140 7 12 12; 160 160 160 8 13 15; 180 180 180 8.5 14 15;
-200 200 200 9 15 18; 220 220 220 9.5 16 18; 240 240 240 10 17 21; 260 260 260 10 17.5 24; 280 280 280 10.5 18 24;
-300 300 300 11 19 27; 320 320 300 11.5 20.5 27; 340 340 300 12 21.5 27; 360 360 300 12.5 22.5 27;
-400 400 300 13.5 24 27; 450 450 300 14 26 27; 500 500 300 14.5 28 27; 550 550 300 15 29 27; 600 600 300 15.5 30 27"""
-UPN = """80 80 45 6 8 8 4 2.157; 100 100 50 6 8.5 8.5 4.5 2.826; 120 120 55 7 9 9 4.5 4.149;
-140 140 60 7 10 10 5 5.725; 160 160 65 7.5 10.5 10.5 5.5 7.441; 180 180 70 8 11 11 5.5 9.528;
-200 200 75 8.5 11.5 11.5 6 12.02; 220 220 80 9 12.5 12.5 6.5 16.17; 240 240 85 9.5 13 13 6.5 19.84;
-260 260 90 10 14 14 7 25.78; 280 280 95 10 15 15 7.5 31.42; 300 300 100 10 16 16 8 38.06"""
+IPE = """80 80 46 3.8 5.2 5 0.6732; 100 100 55 4.1 5.7 7 1.154; 120 120 64 4.4 6.3 7 1.69;
+140 140 73 4.7 6.9 7 2.403; 160 160 82 5 7.4 9 3.533; 180 180 91 5.3 8 9 4.726;
+200 200 100 5.6 8.5 12 6.852; 220 220 110 5.9 9.2 12 8.989; 240 240 120 6.2 9.8 15 12.75;
+270 270 135 6.6 10.2 15 15.72; 300 300 150 7.1 10.7 15 19.77; 330 330 160 7.5 11.5 18 27.61;
+360 360 170 8 12.7 18 37.11; 400 400 180 8.6 13.5 21 50.46; 450 450 190 9.4 14.6 21 66.11;
+500 500 200 10.2 16 21 88.69; 550 550 210 11.1 17.2 24 121.8; 600 600 220 12 19 24 164.7"""
+HEA = """100 96 100 5 8 12 5.204; 120 114 120 5 8 12 5.962; 140 133 140 5.5 8.5 12 8.038; 160 152 160 6 9 15 11.85;
+180 171 180 6 9.5 15 14.67; 200 190 200 6.5 10 18 20.45; 220 210 220 7 11 18 28.11;
+240 230 240 7.5 12 21 41.07; 260 250 260 7.5 12.5 24 52.05; 280 270 280 8 13 24 61.45;
+300 290 300 8.5 14 27 84.31; 320 310 300 9 15.5 27 108.9; 340 330 300 9.5 16.5 27 128.8;
+360 350 300 10 17.5 27 151.1; 400 390 300 11 19 27 191.5; 450 440 300 11.5 21 27 249.3;
+500 490 300 12 23 27 317.9; 550 540 300 12.5 24 27 360.8; 600 590 300 13 25 27 407.8"""
+HEB = """100 100 100 6 10 12 9.316; 120 120 120 6.5 11 12 13.95; 140 140 140 7 12 12 20.21;
+160 160 160 8 13 15 31.27; 180 180 180 8.5 14 15 42.27; 200 200 200 9 15 18 59.63;
+220 220 220 9.5 16 18 77.07; 240 240 240 10 17 21 103.7; 260 260 260 10 17.5 24 125.8;
+280 280 280 10.5 18 24 145.4; 300 300 300 11 19 27 187.5; 320 320 300 11.5 20.5 27 229.4;
+340 340 300 12 21.5 27 262.2; 360 360 300 12.5 22.5 27 298.1; 400 400 300 13.5 24 27 361.3;
+450 450 300 14 26 27 449.1; 500 500 300 14.5 28 27 550.2; 550 550 300 15 29 27 612.6;
+600 600 300 15.5 30 27 679.9"""
+UPN = """80 80 45 6 8 8 4 25.88 2.156; 100 100 50 6 8.5 8.5 4.5 28.6 2.826; 120 120 55 7 9 9 4.5 29.64 4.148;
+140 140 60 7 10 10 5 33.05 5.724; 160 160 65 7.5 10.5 10.5 5.5 34.93 7.44; 180 180 70 8 11 11 5.5 36.89 9.526;
+200 200 75 8.5 11.5 11.5 6 38.76 12.02; 220 220 80 9 12.5 12.5 6.5 41.36 16.17; 240 240 85 9.5 13 13 6.5 43.32 19.84;
+260 260 90 10 14 14 7 45.94 25.78; 280 280 95 10 15 15 7.5 49.61 31.42; 300 300 100 10 16 16 8 53.32 38.05"""
 
 
 def _table(family: str, text: str) -> dict[str, tuple[float, ...]]:
@@ -57,7 +63,8 @@ def _table(family: str, text: str) -> dict[str, tuple[float, ...]]:
 PROFILES: dict[str, tuple[float, ...]] = {
     **_table("IPE", IPE), **_table("HEA", HEA), **_table("HEB", HEB), **_table("UPN", UPN),
 }  # fmt: skip
-"""Height, width, web, flange, fillet radius, for UPN also the radius of the toe [mm] and the torsion constant [cm⁴]."""
+"""Height, width, web, flange, fillet radius, for UPN also the radius of the toe and how far the shear centre is behind
+the centroid [mm]; last the torsion constant [cm⁴]."""
 HOLLOW = re.compile(r"(CHS|CFCHS|RHS|SHS|CFRHS|CFSHS)(\d+(?:\.\d+)?(?:X\d+(?:\.\d+)?)*)")
 
 
@@ -93,6 +100,8 @@ def profile(name: str) -> Shape:
         )
     sizes = [float(v) for v in hollow[2].split("X")]
     round_, square = "CHS" in hollow[1], "SHS" in hollow[1]
+    if square and len(sizes) == 3 and sizes[0] == sizes[1]:
+        sizes = sizes[1:]  # SHS 100x100x5
     if len(sizes) != (2 if round_ or square else 3):
         raise ModelError(f"profile {name!r} has {len(sizes)} dimensions", "give CHS DxT, SHS BxT or RHS HxBxT")
     if not 0.0 < 2.0 * sizes[-1] < min(sizes[:-1]):
@@ -173,12 +182,7 @@ def _integral(f: object, a: float, b: float) -> float:
     return 0.5 * (b - a) * float(w @ f(x))  # type: ignore[operator]
 
 
-def _flange(b: float, t: float) -> float:
-    """Torsion constant of a flange that ends in two free edges (of a half for each)."""
-    return b * t**3 / 3.0 * (1.0 - 0.63 * t / b)
-
-
-def _beam(h: float, b: float, tw: float, tf: float, r: float) -> Shape:
+def _beam(h: float, b: float, tw: float, tf: float, r: float, J: float) -> Shape:
     x, w, y, i = 0.5 * b, 0.5 * tw, 0.5 * h, 0.5 * h - tf
     corners = [
         (x, -y),
@@ -196,18 +200,16 @@ def _beam(h: float, b: float, tw: float, tf: float, r: float) -> Shape:
     ]
     radii = [0, 0, r, r, 0, 0, 0, 0, r, r, 0, 0]
     area, _, both = moments(rounded(corners, radii, 200))
-    k = tw / tf
-    D = ((tf + r) ** 2 + tw * (r + 0.25 * tw)) / (2.0 * r + tf)
-    alpha = -0.042 + 0.2204 * k + 0.1355 * r / tf - 0.0865 * r * tw / tf**2 - 0.0725 * k**2
-    J = 2.0 * _flange(b, tf) + (h - 2.0 * tf) * tw**3 / 3.0 + 2.0 * alpha * D**4
     hm = h - tf
     I = 0.5 * b * tf * hm**2 + tw * hm**3 / 12.0
     flow = 4.0 * tf * (0.5 * hm) ** 2 * (0.5 * b) ** 3 / 3.0
     flow += _integral(lambda z: (0.5 * b * tf * hm + 0.5 * tw * (0.25 * hm**2 - z**2)) ** 2 / tw, -0.5 * hm, 0.5 * hm)
-    return Shape(area, both[1, 1], both[0, 0], J, 5.0 / 3.0 * b * tf, I**2 / flow, (0.0, 0.0), rounded(corners, radii))
+    return Shape(
+        area, both[1, 1], both[0, 0], 1e4 * J, 5.0 / 3.0 * b * tf, I**2 / flow, (0.0, 0.0), rounded(corners, radii)
+    )
 
 
-def _channel(h: float, b: float, tw: float, tf: float, r: float, toe: float, J: float) -> Shape:
+def _channel(h: float, b: float, tw: float, tf: float, r: float, toe: float, behind: float, J: float) -> Shape:
     """Flanges that slope by 8 %, ``tf`` thick at half of the width; the back of the web on −d1."""
     slope, y = 0.08, 0.5 * h
 
@@ -238,8 +240,7 @@ def _channel(h: float, b: float, tw: float, tf: float, r: float, toe: float, J: 
     arm = x - back - web
     across = 2.0 * float(w @ (t * arm**2)) + 2.0 * top * tw * web**2
     side = 2.0 * float(w @ (beyond(t * arm) ** 2 / t)) + 2.0 * tw * web**2 * top**3 / 3.0
-    e = 2.0 * float(w @ (q * z)) / I  # of the shear centre, behind the middle of the web
-    shear = (back - e - float(centre[0]), 0.0)
+    shear = (-behind, 0.0)
     return Shape(
         area, both[1, 1], both[0, 0], 1e4 * J, across**2 / side, I**2 / flow, shear, rounded(corners, radii) - centre
     )

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from fnmatch import fnmatch
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -23,7 +22,7 @@ from directrix import runs
 from directrix.checks import file, number, whole
 from directrix.errors import InputError
 from directrix.keeping import disk
-from directrix.keeping.store import PARTS, Store, resume_command
+from directrix.keeping.store import Store, resume_command
 
 if TYPE_CHECKING:
     from directrix.result import Result
@@ -103,7 +102,8 @@ class RunFolder:
 
     @classmethod
     def claim(cls, options: Folder, source: Source | None = None, *, command: bool = False) -> RunFolder:
-        """Make the folder, or take over one that holds an earlier run; refuses any other (InputError)."""
+        """Make the folder, or take over one that holds an earlier run, where other files are left alone; refuses any
+        other (InputError)."""
         path = Path(options.path)
         where = str(path)
         try:
@@ -117,14 +117,6 @@ class RunFolder:
             raise InputError("is a file, not a folder", "name another folder with --out", where) from None
         except OSError as error:
             raise disk.refused(error, where, 0, "or name another folder with --out") from None
-        ours = runs.OURS | {PARTS, LOG, *INPUTS}
-        foreign = sorted(name for name in names - ours if not fnmatch(name, runs.RECORDS))
-        if foreign:
-            raise InputError(
-                f"holds files that are not of a run: {runs.few(foreign)}",
-                "name another folder with --out, or move them away",
-                where,
-            )
         said = summary_of(path)
         if names and said is None:
             raise InputError(

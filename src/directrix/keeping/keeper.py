@@ -41,7 +41,7 @@ class Keeper:
         self, folder: Folder | RunFolder | str | os.PathLike[str] | None, recorder: Recorder, print_: str
     ) -> None:
         self.recorder, self.print = recorder, print_
-        self.stopping = False
+        self.stopping = 0  # the signal that asked the run to end
         self.serial = self.sealed = 0
         self.last, self.at, self.pause = time.monotonic(), -1, 0.0
         self.memory: dict[str, Any] | None = None
@@ -135,7 +135,8 @@ class Keeper:
         return () if self.folder is None else self.folder.store.segments(self.sealed)
 
     def finish(self, result: Result) -> Result:
-        """Write the result, which is returned; the parts that are in it are not needed any more. Raises InputError."""
+        """Write the result, which is returned; the parts that are in it are not needed any more. Raises InputError.
+        A signal that came in the last step ended nothing, and is sent again for what would follow the run."""
         folder = self.folder
         if folder is None:
             return result
@@ -154,6 +155,8 @@ class Keeper:
                     folder.store.forget(0)
         finally:
             folder.close()
+        if self.stopping and result.status.code != "interrupted" and not folder.command:
+            signal.raise_signal(self.stopping)
         return result
 
     def interrupted(self, at: str) -> Status:
@@ -187,7 +190,7 @@ class Keeper:
             signal.signal(s, handler)
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
-        self.stopping = True
+        self.stopping = number
         hard = self.folder is not None and self.folder.command
         for s, handler in self.handlers.items():
             signal.signal(s, signal.SIG_DFL if hard else handler)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from math import radians
 from pathlib import Path as FilePath
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,11 +18,9 @@ from directrix.contacts import Cylinder, Plane, Sphere
 from directrix.controls import ArcLength, Control, DisplacementControl, Snapshot
 from directrix.curves import Curve, arc, helix, line, polyline, spline
 from directrix.errors import ModelError
-from directrix.geometry.tables import centreline
 from directrix.laws import stiffening_bending, tension_only
 from directrix.model import Model, Vec
 from directrix.points import Recorder, place
-from directrix.result import Mesh
 from directrix.schema import joints as j
 from directrix.schema import models as m
 from directrix.schema import sections as sec
@@ -34,6 +32,9 @@ from directrix.schema.messages import Source
 from directrix.schema.places import Path
 from directrix.section import Section
 from directrix.tapered import taper
+
+if TYPE_CHECKING:
+    from directrix.result import Mesh
 
 __all__ = ["build_control", "build_model", "build_records", "entries_of"]
 
@@ -223,6 +224,8 @@ def _curve(rod: m.Rod, folder: FilePath) -> Curve:
     key = next(key for key in m.CURVES if getattr(rod, key) is not None)
     value = getattr(rod, key)
     if rod.centreline is not None:  # a file may change, so it is read every time
+        from directrix.geometry.tables import centreline
+
         table = dict(_given(rod.centreline))
         return centreline(folder / table.pop("file"), **table, directors=rod.directors, d1=rod.d1)
     given = tuple(_given(value).items()) if isinstance(value, Strict) else value

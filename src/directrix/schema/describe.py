@@ -119,8 +119,8 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
     yield f"  tolerance {do.tolerance:g}; kept: {kept}"
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
-    rods = len(disc.mesh.rods)
-    size = f"{rods} rod{'s' * (rods != 1)}, {disc.elements} elements, {disc.nodes} nodes, {free} unknowns"
+    rods, nodes = len(disc.mesh.rods), disc.nodes
+    size = f"{rods} rod{'s' * (rods != 1)}, {disc.elements} elements, {nodes} node{'s' * (nodes != 1)}, {free} unknowns"
     if multipliers := int((~disc.held[disc.nodes :]).sum()):
         size += f" and {multipliers} multipliers of joints"
     yield f"  {size}, {shape}"

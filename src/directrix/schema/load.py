@@ -107,19 +107,21 @@ class Case:
 
     def check(self) -> Discretisation:
         """Check everything that can be checked without solving; returns the mesh. Raises ModelError."""
-        from directrix.diagnosis import examine, refuse
+        self.model.check()  # before the solvers are imported, which takes longer
         from directrix.discretisation import discretise
-        from directrix.motion import refuse_damping
-        from directrix.statics import static_scheme
-        from directrix.stepping import stepping
 
-        self.model.check()
         do = self.analysis
         if isinstance(do, Statics):
+            from directrix.diagnosis import examine, refuse
+            from directrix.statics import static_scheme
+
             scheme = static_scheme(self.model, self._formulation(do))
             disc = discretise(self.model, scheme)
             refuse(examine(disc, scheme))
             return disc
+        from directrix.motion import refuse_damping
+        from directrix.stepping import stepping
+
         refuse_damping(self.model, self._integrator(do))
         stepping(self.step, 0.0, do.t_end, self._integrator(do))
         return discretise(self.model, self._integrator(do).scheme(do.dt))

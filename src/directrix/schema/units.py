@@ -216,7 +216,7 @@ def _plain(text: str) -> float:
 _DIGITS = r"[+-]?(?:\d[\d_ .,]*|[.,]\d+)"
 _TEN = rf"({_DIGITS})\s*[*x×·]\s*10(?:\^|\*\*)\s*\(?([+-]?\d+)\)?"
 _FORMS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], float]], ...] = (
-    (re.compile(rf"({_DIGITS})(?:[eE]([+-]?\d+))?"), lambda m: _plain(m[1]) * 10.0 ** int(m[2] or 0)),
+    (re.compile(rf"({_DIGITS})(?:[eE]([+-]?\d+)(?:\.0*)?)?"), lambda m: _plain(m[1]) * 10.0 ** int(m[2] or 0)),
     (re.compile(_TEN), lambda m: _plain(m[1]) * 10.0 ** int(m[2])),
     (re.compile(rf"({_DIGITS})\s*/\s*({_DIGITS})"), lambda m: _plain(m[1]) / _plain(m[2])),
     (
