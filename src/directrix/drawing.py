@@ -84,6 +84,11 @@ def stage_in(figure: Any, result: Result) -> Stage:
         ax = figure.add_subplot()
         dress(ax)
         return Stage(ax, flat)
+    return space_in(figure)
+
+
+def space_in(figure: Any) -> Stage:
+    """A new axes of a figure in three dimensions."""
     from matplotlib import rc_context  # pyright: ignore[reportUnknownVariableType]
     from matplotlib.ticker import MaxNLocator
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from directrix.discretisation import Discretisation
-from directrix.drawing import BLUE, GHOST, GREY, INK, NAMES_AT_MOST, ORANGE, XYZ, Stage, axis_line, plain, pyplot
+from directrix.drawing import BLUE, GREY, INK, NAMES_AT_MOST, ORANGE, XYZ, Stage, axis_line, plain, pyplot, space_in
 from directrix.errors import InputError
 from directrix.model import DOFS, Distributed, Force, Gravity, Model, Moment, Pressure
 from directrix.result import RodMesh
@@ -60,11 +60,7 @@ def _stage(disc: Discretisation, plt: Any) -> Stage:
             pen.grid(color="#e8ebee", lw=0.7)
             pen.set_axisbelow(True)
             return Stage(pen, tuple(i for i in range(3) if i != out))
-    pen = figure.add_subplot(projection="3d")
-    for axis in (pen.xaxis, pen.yaxis, pen.zaxis):
-        axis.pane.set_facecolor("white")
-        axis.pane.set_edgecolor(GHOST)
-    return Stage(pen, (0, 1, 2))
+    return space_in(figure)
 
 
 def _ground(model: Model) -> Iterator[Array]:
