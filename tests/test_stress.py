@@ -30,7 +30,7 @@ def arrow(draw: Draw, size: float) -> Vec:
     return x, y, z
 
 
-def beam(section: dx.Section = SOFT, length: float = 3.0, elements: int = 6, order: int = 1) -> dx.Model:
+def beam(section: dx.Section = SOFT, length: float = 3.0, elements: int = 18, order: int = 1) -> dx.Model:
     ends = ("a", "b")
     return dx.Model().rod(dx.line((0, 0, 0), (length, 0, 0)), section, ends=ends, elements=elements, order=order)
 
@@ -44,29 +44,29 @@ def rolled(draw: Draw) -> dx.Model:
 
 
 def hose(draw: Draw) -> dx.Model:
-    return beam(SLENDER, 1.0, 8).clamp("a").force("b", arrow(draw, 0.1), follower=True).gravity((0, 0, -9.81))
+    return beam(SLENDER, 1.0, 48).clamp("a").force("b", arrow(draw, 0.1), follower=True).gravity((0, 0, -9.81))
 
 
 def quadratic(draw: Draw) -> dx.Model:
-    return beam(order=2, elements=3).clamp("a").force("b", arrow(draw, 6)).moment("b", arrow(draw, 3))
+    return beam(order=2, elements=9).clamp("a").force("b", arrow(draw, 6)).moment("b", arrow(draw, 3))
 
 
 def elbow(draw: Draw) -> dx.Model:
-    model = beam(elements=4).rod(dx.line((3, 0, 0), (3, draw(1, 2), 0)), SOFT, name="up", ends=("b", "c"), elements=3)
+    model = beam(elements=12).rod(dx.line((3, 0, 0), (3, draw(1, 2), 0)), SOFT, name="up", ends=("b", "c"), elements=9)
     return model.clamp("a").force("c", arrow(draw, 5))
 
 
 def tripod(draw: Draw) -> dx.Model:
     model = dx.Model()
     for k, foot in enumerate(((1, 0, -1), (-0.6, 0.9, -1), (-0.5, -0.8, -1))):
-        model = model.rod(dx.line(foot, (0, 0, 0)), SOFT, name=f"leg{k}", ends=(f"foot{k}", "top"), elements=3)
+        model = model.rod(dx.line(foot, (0, 0, 0)), SOFT, name=f"leg{k}", ends=(f"foot{k}", "top"), elements=6)
         model = model.pin(f"foot{k}")
     return model.force("top", (draw(-3, 3), draw(-3, 3), draw(-40, -10)))
 
 
 def swing(draw: Draw) -> dx.Model:
     return (
-        beam(elements=4).pin("a").fix("a", "rx", "rz").gravity((0, 0, -draw(2, 10))).spring("b", (3, 0, 2), draw(2, 9))
+        beam(elements=12).pin("a").fix("a", "rx", "rz").gravity((0, 0, -draw(2, 10))).spring("b", (3, 0, 2), draw(2, 9))
     )
 
 
@@ -77,7 +77,7 @@ def turned(draw: Draw) -> dx.Model:
 
 def dropped(draw: Draw) -> dx.Model:
     floor = dx.Plane((0, 0, -0.3), (0, 0, 1))
-    model = beam(SLENDER, 1.0, 6).clamp("a").gravity((0, 0, -9.81)).force("b", (0, 0, -draw(0.0, 0.2)))
+    model = beam(SLENDER, 1.0, 18).clamp("a").gravity((0, 0, -9.81)).force("b", (0, 0, -draw(0.0, 0.2)))
     return model.contact(floor, stiffness=2e3)
 
 
@@ -90,7 +90,7 @@ def loaded(draw: Draw) -> dx.Model:
 
 
 def whip(draw: Draw) -> dx.Model:
-    return beam(SLENDER, 1.0, 8).pin("a").velocity("b", arrow(draw, 3)).force("b", arrow(draw, 0.05))
+    return beam(SLENDER, 1.0, 24).pin("a").velocity("b", arrow(draw, 3)).force("b", arrow(draw, 0.05))
 
 
 class Kind(NamedTuple):
@@ -134,17 +134,15 @@ def judge(numbers: range) -> None:
     ended = Counter[str]()
     for number in numbers:
         name, result = run(number)
-        ended[result.status.code] += 1
+        code = result.status.code
         assert np.all(np.isfinite(result.r)) and len(result.t) >= 1, name
-        assert result.status.success or (result.status.code in CODES and result.status.advice), (
-            f"{name}: {result.status}"
-        )
+        assert result.status.success or (code in CODES and result.status.advice), f"{name}: {result.status}"
         assert result.info["cuts"] <= 200 * STEPS, name
-        if result.kind == "dynamic":
-            # what folds elements of these coarse meshes conserves all the same
-            laws = [entry for entry in result.audit.entries if entry.law != "turn of an element"]
-            assert all(law.holds for law in laws), f"{name}: {result.audit.verdict}"
-    finished = sum(n for code, n in ended.items() if code in ("done", "stopped"))
+        if not result.audit.passed:  # the midpoint rule may feed energy into a motion until an element folds
+            assert [e.law for e in result.audit.entries if not e.holds] == ["turn of an element"], name
+            code = "folded"
+        ended[code] += 1
+    finished = ended["done"] + ended["stopped"]
     assert finished >= 0.95 * len(numbers), ended
 
 
