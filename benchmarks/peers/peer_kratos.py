@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
@@ -123,4 +124,4 @@ def solve(case: str, n: int, dt: float, variant: str, clock: Clock) -> Run:
 
 
 if __name__ == "__main__":
-    common.main("Kratos", KM.Kernel.Version(), solve)
+    common.main("Kratos", ".".join(re.findall(r"\d+", KM.Kernel.Version())[:3]), solve)
