@@ -35,7 +35,7 @@ test-long: $(VENV)/.dev
 
 # two gates: pytest-cov knows one figure for lines and branches together
 coverage: $(VENV)/.dev
-	@$(RUN) -m pytest --cov --cov-report=json --cov-report=term:skip-covered
+	@DIRECTRIX_CACHE_DIR="$$(mktemp -d)" $(RUN) -m pytest --cov --cov-report=json --cov-report=term:skip-covered
 	@$(RUN) -c "import json; t = json.load(open('coverage.json'))['totals']; \
 	lines, branches = t['covered_lines'] / t['num_statements'], t['covered_branches'] / t['num_branches']; \
 	print(f'lines {lines:.1%} (95 % asked), branches {branches:.1%} (90 % asked)'); \
