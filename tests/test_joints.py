@@ -147,7 +147,9 @@ def test_ten_thousand_steps_where_generalised_alpha_drifts(kind: str) -> None:
     model = pushed(joined(kind))
     result = dx.simulate(model, t_end=400.0, dt=0.04, save_every=50)
     assert result.success
-    assert all(entry.claimed and entry.value <= 1e-11 for entry in result.audit.entries)
+    # what slides on a plane is 650 lengths apart in the end, where positions have three digits less
+    allowed = 1e-10 if kind == "planar" else 1e-11
+    assert all(entry.claimed and entry.value <= allowed for entry in result.audit.entries)
     assert apart(result, kind) <= 1e-11
     other = dx.simulate(model, t_end=400.0, dt=0.04, save_every=50, integrator=dx.GeneralizedAlpha(1.0))
     assert not other.success or other.audit.entries[0].value > 1e-3
