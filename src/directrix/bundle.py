@@ -20,7 +20,7 @@ from directrix.kernels.strip_steps import RESULTS, pack, unpack
 from directrix.motion import Motion
 from directrix.result import Result, Status
 from directrix.stepping import Fixed
-from directrix.strip import Loads, Shots, code_of, steps_at_once, strip_of, work_for
+from directrix.strip import Loads, Shots, code_of, largest_of, steps_at_once, strip_of, work_for
 from directrix.strips import chain_of, frames_of, nodes_of, parameters_of
 
 Array = NDArray[np.float64]
@@ -110,9 +110,7 @@ class Bundle:
         dead = external[:, self.fits[lane].chain, :6]
         many = len(dead) if len(dead) > 1 else len(self.loads.main)
         self.loads.main[:many].reshape(many, -1, 6, LANES)[..., lane] = dead
-        for column in (0, 1):
-            most = np.abs(dead[..., 3 * column : 3 * column + 3]).max(axis=(1, 2))
-            self.loads.largest[:many, column * LANES + lane] = most
+        self.loads.largest[:many].reshape(many, 2, LANES)[..., lane] = largest_of(dead)
 
     def run(self, results: Array, before: int) -> None:
         """Take a step for every row of ``results`` (steps, LANES, RESULTS), see :mod:`directrix.kernels.bundle`."""

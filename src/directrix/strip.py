@@ -19,7 +19,7 @@ from directrix.kernels.strip_elimination import BATCH
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-__all__ = ["Loads", "Shots", "Strip", "Work", "code_of", "steps_at_once", "strip_of", "work_for"]
+__all__ = ["Loads", "Shots", "Strip", "Work", "code_of", "largest_of", "steps_at_once", "strip_of", "work_for"]
 
 MOST, ELEMENTS = 64, 50_000
 """Steps of a call, and steps times elements: some 50 ms, after which progress and signals are looked at again."""
@@ -106,6 +106,11 @@ def steps_at_once(elements: int) -> int:
     return max(1, min(MOST, ELEMENTS // elements))
 
 
+def largest_of(dead: Array) -> Array:
+    """(k, 2) largest component of a force and of a moment among loads (k, n, 6)."""
+    return np.abs(dead).reshape(*dead.shape[:2], 2, 3).max(axis=(1, 3))
+
+
 def strip_of(stride: int, lanes: int, p: Array, held: NDArray[np.bool_], own: Array, *, whole: bool) -> Strip:
     """A strip with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and the nodes that are booked."""
     many, size = int(p.shape[0]), int(p.shape[1])
@@ -147,6 +152,7 @@ def _aligned(values: Array) -> Array:
 
 
 def work_for(fixed: NDArray[np.uint8], largest: int) -> Work:
+    """What is shared, for the nodes where parts meet, held where ``fixed`` (n, 6); ``largest`` numbers of loads."""
     n = len(fixed)
     return Work(
         elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),

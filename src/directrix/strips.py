@@ -21,7 +21,7 @@ from directrix.kernels import strips as kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.strip_steps import pack, unpack
 from directrix.scheme import Rates, Scheme
-from directrix.strip import Loads, Shots, Strip, code_of, steps_at_once, strip_of, work_for
+from directrix.strip import Loads, Shots, Strip, code_of, largest_of, steps_at_once, strip_of, work_for
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -132,8 +132,7 @@ class Strips:
         for part, out in zip(self.parts, (self.loads.main, self.loads.rest), strict=True):
             out[: len(dead)] = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
         self.loads.joints[: len(dead)] = dead[:, self.joints]
-        for column in (0, 1):
-            self.loads.largest[: len(dead), column] = np.abs(dead[..., 3 * column : 3 * column + 3]).max(axis=(1, 2))
+        self.loads.largest[: len(dead)] = largest_of(dead)
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
