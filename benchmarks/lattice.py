@@ -1,7 +1,8 @@
 """What a general frame costs: a cubic lattice of rigid joints, four linear elements a strut, at rest under its weight.
 
-One Newton iteration is an assembly and a sparse solution; the analysis of the pattern, done once, is printed beside it.
-CPU time, best of several.
+One Newton iteration is an assembly and a sparse solution, or a right-hand side through the factors that are there; the
+analysis of the pattern, done once, is printed beside them. Then whole steps, with a new tangent in every iteration and
+with factors that are kept, in turns. CPU time, best of several.
 
     python benchmarks/lattice.py [joints along an edge, 10 unless given]
 """
@@ -21,7 +22,9 @@ from directrix.discretisation import discretise
 from directrix.kernels import step
 from directrix.linear.condensed import Condensed, usual
 from directrix.newton import Newton, Settings
+from directrix.scheme import Scheme
 from directrix.state import initial_state
+from directrix.statics import static_scheme
 
 
 def lattice(edge: int, elements: int = 4) -> dx.Model:
@@ -44,8 +47,50 @@ def lattice(edge: int, elements: int = 4) -> dx.Model:
     return model.gravity((0, 0, -9.81))
 
 
+class Run:
+    """Steps of one lattice: what they cost."""
+
+    def __init__(self, model: dx.Model, scheme: Scheme, reuse: bool) -> None:
+        self.disc = discretise(model, scheme)
+        self.newton, self.x = Newton(self.disc, scheme, Settings(reuse=reuse)), initial_state(self.disc, None, scheme)
+        self.seconds, self.iterations, self.tangents = list[float](), 0, 0
+        sparse, solve = self.newton.sparse, self.newton.sparse.solve
+
+        def counted(*given: Any) -> Any:
+            self.tangents += 1
+            return solve(*given)
+
+        sparse.solve = counted
+
+    def step(self, factor: float) -> None:
+        clock = time.process_time()
+        self.newton.begin(self.x)
+        outcome = self.newton.solve(self.x, self.disc.external(0.0, factor))
+        if outcome.status is not None:
+            raise RuntimeError(outcome.status.sentence)
+        self.newton.finish(self.x)
+        self.seconds.append(time.process_time() - clock)
+        self.iterations += outcome.iterations
+
+
+def steps(model: dx.Model, what: str, scheme: Scheme, factors: list[float]) -> None:
+    """Print a line on steps at load factors."""
+    runs = [Run(model, scheme, reuse) for reuse in (False, True)]
+    for factor in factors:
+        for run in runs:
+            run.step(factor)
+    gone = float(abs(runs[0].x[:, :3] - runs[1].x[:, :3]).max())
+    print(f"{what}: {len(factors)} steps; positions are the same to {gone:.0e}")
+    for run, name in zip(runs, ("new tangents", "kept factors"), strict=True):
+        n = len(factors)
+        print(
+            f"  {name}: {sum(run.seconds) / n:.3f} s a step (least {min(run.seconds):.3f}), "
+            f"{run.iterations / n:.1f} iterations, {run.tangents / n:.1f} factorizations"
+        )
+
+
 def main(edge: int = 10) -> None:
-    """Print one line."""
+    """Print some lines."""
     clock = time.process_time()
     model = lattice(edge)
     described, clock = time.process_time() - clock, time.process_time()
@@ -64,7 +109,9 @@ def main(edge: int = 10) -> None:
     solved = least(lambda: analysed.solve(newton.work.blocks, newton.work.rhs), 3)
     print(f"{edge}³ joints, {disc.elements} elements, {6 * len(newton.work.rhs)} unknowns")
     print(f"once: describe {described:.2f} s, mesh {meshed:.2f} s, analyse {order:.2f} s")
+    through = least(lambda: analysed.again(newton.work.rhs), 3)
     print(f"an iteration: assemble {assembled:.3f} s, solve {solved:.3f} s, together {assembled + solved:.3f} s")
+    print(f"a right-hand side through factors: {through:.3f} s")
     two = Condensed(disc.pattern.rowptr, disc.pattern.column, usual(2))
     ratios: list[float] = []
     for _ in range(5):  # wall time, in turns: two threads need two free cores
@@ -74,6 +121,9 @@ def main(edge: int = 10) -> None:
         )
         ratios.append(one_s / two_s)
     print(f"two threads: {max(ratios):.2f} times as fast at best, {sorted(ratios)[2]:.2f} in the middle")
+    steps(model, "motion, Δt = 2 ms", dx.EnergyMomentum().scheme(0.002), [1.0] * 12)
+    steps(model, "motion, Δt = 20 ms", dx.EnergyMomentum().scheme(0.02), [1.0] * 8)
+    steps(model, "load steps", static_scheme(model, None), [0.5, 1.0])
     print(f"memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20:.2f} GiB at most")
 
 

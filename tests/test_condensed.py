@@ -43,6 +43,12 @@ def test_the_solution_is_that_of_the_whole_system(name: str) -> None:
     assert x is not None and expected is not None
     assert np.abs(x - expected).max() <= 1e-9 * np.abs(expected).max()
     assert not np.array_equal(x, expected)  # it went its own way
+    sides = np.random.default_rng(1).standard_normal((2, *rhs.shape))
+    for other in sides:
+        again = solver.again(other)
+        assert solver.condensed and again is not None
+        direct = BlockSparse(rowptr, column).solve(blocks, other)
+        assert np.abs(again - direct).max() <= 1e-9 * np.abs(direct).max()
 
 
 def test_a_row_that_cannot_be_eliminated_goes_the_whole_way() -> None:
@@ -52,6 +58,8 @@ def test_a_row_that_cannot_be_eliminated_goes_the_whole_way() -> None:
     x = solver.solve(blocks, rhs)
     assert x is not None
     assert np.allclose(x, BlockSparse(rowptr, column).solve(blocks, rhs), rtol=1e-12)
+    again = solver.again(2.0 * rhs)
+    assert again is not None and np.allclose(again, 2.0 * x, rtol=1e-12)
 
 
 def test_it_passes_the_conformance_test() -> None:

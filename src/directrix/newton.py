@@ -47,7 +47,7 @@ class Settings:
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
     iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``retry``: a step
     that is not solved is tried again with other damping. ``threads`` that share the solution of a frame, unless
-    ``linear`` solves it.
+    ``linear`` solves it. ``reuse``: its factors are kept while they bring an iteration to its end.
     """
 
     tolerance: float = 1e-9
@@ -57,6 +57,7 @@ class Settings:
     retry: bool = True
     threads: int = 1
     linear: Petsc | None = None
+    reuse: bool = True
 
     def __post_init__(self) -> None:
         whole(self.threads, "threads", 1, 1024)
@@ -106,7 +107,7 @@ class Newton:
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf,
+                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf, float(self._keeps),
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
@@ -138,6 +139,9 @@ class Newton:
         self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         self._sparse: Condensed | None = None
         self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
+        # friction jumps between sticking and sliding, and carried rotations count from the last iteration: both have a
+        # new tangent each time; the solver of a chain keeps no factors
+        self._keeps = self.settings.reuse and not (self.rough or self.tables.carried or self.tables.chain)
 
     @property
     def sparse(self) -> Condensed:
@@ -277,12 +281,15 @@ class Newton:
         return outcome
 
     def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
-        control = np.array([0, 0, int(moved), 0], np.int64)
+        control = np.array([0, 0, int(moved), 0, 0], np.int64)
         self.work.trail[:, 2:4] = np.nan
         while True:
             code = kernel.newton(tables, self.work, x, self.globals, external, self.mask, self.options, control)
-            if code == kernel.SOLVE:
-                du = self.sparse.solve(self.work.blocks, self.work.rhs)
+            if code in (kernel.SOLVE, kernel.AGAIN):
+                sparse, work = self.sparse, self.work
+                du = sparse.solve(work.blocks, work.rhs) if code == kernel.SOLVE else sparse.again(work.rhs)
+                if du is None and code == kernel.AGAIN:
+                    du = np.nan  # what cannot be taken gets a new tangent
                 if du is not None:
                     self.work.du[:] = du
                     continue

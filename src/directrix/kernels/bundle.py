@@ -13,6 +13,7 @@ from math import sqrt
 from directrix.kernels.call import call_lanes
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
+from directrix.kernels.judged import judged
 from directrix.kernels.strip_elimination import BACKWARD_FAR, SIX, R, eliminate_strip, pass_again
 from directrix.kernels.strip_steps import (
     BOOKS,
@@ -27,7 +28,6 @@ from directrix.kernels.strip_steps import (
     balance,
     close,
     finest,
-    judged,
     load,
     move,
     rows_back,

@@ -13,7 +13,10 @@ from directrix.kernels.jit import compiled, inner
 from directrix.kernels.nodes import nodal_terms, orthonormal
 from directrix.kernels.rates import NONE
 
-__all__ = ["acts", "assemble", "books", "books_of", "commit", "element_tangents", "ground", "internal_forces", "lost"]
+__all__ = [
+    "acts", "assemble", "books", "books_of", "commit", "element_tangents", "ground", "internal_forces", "lost",
+    "right_side",
+]  # fmt: skip
 
 COORDINATE = 6  # place in the row of a joint
 # columns of tables.head
@@ -43,15 +46,18 @@ def _add_blocks(out, at, dest, first, count, blocks):
 
 
 @inner
-def _condense(k, r, nn, eliminated, back):
+def _condense(k, r, nn, eliminated, back, kept):
     """Eliminate the interior nodes 1 … nn−2 of an element matrix ``k`` with right-hand side ``r``.
 
     ``k`` (6nn, 6nn) and ``r`` (6nn,) are overwritten: rows of the end nodes get the Schur complement.
     ``back`` (6(nn−2), 13): the interior increment is back[:, 12] − back[:, :12] · (end increments).
+    ``kept`` (6(nn−2), ≥ 6(nn−2) + 12), where it has rows, receives what another right-hand side needs: the inverse of
+    the interior block, and what couples the end nodes with it, transposed.
     Returns the row of a vanishing pivot, or −1.
     """
     m = 6 * (nn - 2)
     last = 6 * (nn - 1)
+    inverse = m if kept.shape[0] > 0 else 0
     for i in range(m):
         for c in range(6):
             back[i, c] = k[6 + i, c]
@@ -59,6 +65,8 @@ def _condense(k, r, nn, eliminated, back):
         back[i, 12] = r[6 + i]
         for j in range(m):
             eliminated[i, j] = k[6 + i, 6 + j]
+        for j in range(inverse):
+            eliminated[i, m + j] = 1.0 if i == j else 0.0
     for p in range(m):
         best, at = abs(eliminated[p, p]), p
         for i in range(p + 1, m):
@@ -67,22 +75,27 @@ def _condense(k, r, nn, eliminated, back):
         if not best > 0.0:
             return p
         if at != p:
-            for c in range(m):
+            for c in range(m + inverse):
                 eliminated[p, c], eliminated[at, c] = eliminated[at, c], eliminated[p, c]
             for c in range(13):
                 back[p, c], back[at, c] = back[at, c], back[p, c]
         f = 1.0 / eliminated[p, p]
-        for c in range(p, m):
+        for c in range(p, m + inverse):
             eliminated[p, c] *= f
         for c in range(13):
             back[p, c] *= f
         for i in range(m):
             if i != p:
                 f = eliminated[i, p]
-                for c in range(p, m):
+                for c in range(p, m + inverse):
                     eliminated[i, c] -= f * eliminated[p, c]
                 for c in range(13):
                     back[i, c] -= f * back[p, c]
+    for i in range(inverse):
+        for j in range(m):
+            kept[i, j] = eliminated[i, m + j]
+        for c in range(6):
+            kept[i, m + c], kept[i, m + 6 + c] = k[c, 6 + i], k[last + c, 6 + i]
     for end in range(2):
         for i in range(6):
             row = end * last + i
@@ -151,7 +164,9 @@ def assemble(tables, work, x, g, external, mask, frozen):
                         r[last + i] = 0.0
                     m = 6 * (nn - 2)
                     back = work.back[head[BACK] + e * m : head[BACK] + (e + 1) * m]
-                    if _condense(k, r, nn, work.eliminated, back) >= 0:
+                    at = min(head[BACK] + e * m, work.kept.shape[0])
+                    kept = work.kept[at : min(at + m, work.kept.shape[0])]
+                    if _condense(k, r, nn, work.eliminated, back, kept) >= 0:
                         return head[ELEMENT] + e
                     for i in range(6):
                         rhs[tables.row[conn[0]], i] += r[i]
@@ -178,6 +193,39 @@ def assemble(tables, work, x, g, external, mask, frozen):
                     for j in range(6):
                         blocks[tables.diagonal[row], i, j] += work.node_block[node, i, j]
     return -1
+
+
+@compiled
+def right_side(tables, work, mask):
+    """``work.rhs`` and what interior nodes take, as :func:`assemble` has them, with the forces of
+    :func:`internal_forces` and the tangent that was assembled last."""
+    internal, rhs, applied = work.internal, work.rhs, work.applied
+    rhs[:] = 0.0
+    for group in range(tables.head.shape[0]):
+        head = tables.head[group]
+        nn = head[NN]
+        m = 6 * (nn - 2)
+        for e in range(head[COUNT] if nn > 2 and nn > head[UNKNOWN] else 0):
+            conn = tables.conn[head[CONN] + e * nn : head[CONN] + (e + 1) * nn]
+            a, b = tables.row[conn[0]], tables.row[conn[nn - 1]]
+            first = head[BACK] + e * m
+            for i in range(m):
+                s = 0.0
+                for j in range(m):
+                    node = conn[1 + j // 6]
+                    s += work.kept[first + i, j] * (applied[node, j % 6] - internal[node, j % 6])
+                work.back[first + i, 12] = s
+                for c in range(6):
+                    rhs[a, c] -= work.kept[first + i, m + c] * s
+                    rhs[b, c] -= work.kept[first + i, m + 6 + c] * s
+    for node in range(applied.shape[0]):
+        row = tables.row[node]
+        if row >= 0:
+            for i in range(6):
+                if mask[node, i]:
+                    rhs[row, i] = 0.0
+                else:
+                    rhs[row, i] += applied[node, i] - internal[node, i]
 
 
 @compiled

@@ -22,12 +22,15 @@ from directrix.kernels.elements import (
     ground,
     internal_forces,
     lost,
+    right_side,
 )
 from directrix.kernels.jit import compiled, inner
+from directrix.kernels.judged import finest_of, judged
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
 
 __all__ = [
+    "AGAIN",
     "CONVERGED",
     "LIMIT",
     "NON_FINITE",
@@ -45,9 +48,10 @@ __all__ = [
     "spread",
 ]
 
-CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR = range(5)
-# places of `control`: what comes next, iterations so far, positions only, the node or element to blame
-PHASE, ITERATION, FROZEN, BLAME = range(4)
+CONVERGED, SOLVE, LIMIT, NON_FINITE, SINGULAR, AGAIN = range(6)
+# places of `control`: what comes next, iterations so far, positions only, the node or element to blame, whether the
+# next increment goes through the factors that are there
+PHASE, ITERATION, FROZEN, BLAME, KEPT = range(5)
 ROUND_OFF = 1e-14
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
 
@@ -199,56 +203,72 @@ def off_balance(nodes, work, mask, frozen, row):
 
 @compiled
 def newton(tables, work, x, g, external, mask, options, control):
-    """Iterate until balance, in one call for a chain; a general frame returns ``SOLVE`` for every linear system.
+    """Iterate until balance, in one call for a chain; a general frame returns for every linear system: ``SOLVE`` asks
+    for new factors, ``AGAIN`` for another right-hand side through those that are there. These are kept as
+    :func:`judged` says, and for the last increments the iteration then goes on until the next would be round-off.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
-    whether the positions are solved for by themselves after a large turn, largest displacement per iteration.
+    whether the positions are solved for by themselves after a large turn, largest displacement per iteration, whether
+    factors may be kept.
     ``work.trail`` gets a row an iteration, as long as it has room: the largest unbalanced force and moment before it,
     the largest displacement and turn that it asked for, and the node that is furthest from balance.
     """
     tolerance, floor, length = options[0], options[1:3], options[3]
-    limit, allowed, cayley = options[4], options[5], options[6] > 0.0
+    limit, allowed, cayley, fine = options[4], options[5], options[6] > 0.0, finest_of(tables.nodes)
     while True:
         if control[PHASE] == 0:
+            if control[ITERATION] == 0:
+                work.size[0] = 0.0
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
                 control[BLAME] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[1]
                 return LIMIT
             control[ITERATION] += 1
-            bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
-            if bad >= 0:
-                control[BLAME] = tables.element_node[bad]
-                return SINGULAR
+            if control[KEPT] == 1:
+                right_side(tables, work, mask)
+            else:
+                bad = assemble(tables, work, x, g, external, mask, control[FROZEN] == 1)
+                if bad >= 0:
+                    control[BLAME] = tables.element_node[bad]
+                    return SINGULAR
             if control[ITERATION] <= work.trail.shape[0]:
                 off_balance(tables.nodes, work, mask, control[FROZEN] == 1, work.trail[control[ITERATION] - 1])
             control[PHASE] = 1
             if tables.chain == 0:
-                return SOLVE
+                return AGAIN if control[KEPT] == 1 else SOLVE
             row = solve_chain(tables.eliminate, work.blocks, work.rhs, work.factors, work.du)
             if row >= 0:
                 control[BLAME] = tables.node_of_row[row]
                 return SINGULAR
         control[PHASE] = 0
-        frozen = control[FROZEN] == 1
+        frozen, again = control[FROZEN] == 1, control[KEPT] == 1
+        control[KEPT] = 0
         moved, turned, bad = advance(tables, work, x, frozen, cayley, limit, options[8])
         if control[ITERATION] <= work.trail.shape[0]:
             tried = work.trail[control[ITERATION] - 1]
             tried[2], tried[3] = moved, turned
+        if bad >= 0 and again:
+            continue  # nothing has moved
         if bad >= 0:
             control[BLAME] = bad
             return NON_FINITE
         if tables.carried:
             carry(tables, work, x, g)
         control[FROZEN] = 0
-        if frozen:
+        if frozen or turned > LARGE_TURN or moved > options[8]:
+            if not frozen and turned > LARGE_TURN and options[7] > 0.0:
+                control[FROZEN] = 1
+            work.size[0] = 0.0
             continue
-        if turned > LARGE_TURN and options[7] > 0.0:
-            control[FROZEN] = 1
-        elif moved <= 1e-9 * length and turned <= 1e-9:
+        size, small, settled, keep = judged(moved, turned, length, work.size[0], again, fine)
+        work.size[0] = size
+        if keep and options[9] > 0.0:
+            control[KEPT] = 1
+        if small or control[KEPT] == 1:
             internal_forces(tables, work, x, g, external)
             worst, at = imbalance(tables.nodes, work, mask, tolerance, floor, length)
             control[BLAME] = at
-            if worst <= 1.0:
+            if small and settled and worst <= 1.0:
                 return CONVERGED
             if not worst < 1e300:
                 return NON_FINITE

@@ -1,11 +1,10 @@
 """What a strip does in a step, be its lanes parts of one chain (:mod:`strips`) or chains (:mod:`bundle`)."""
 # pyright: basic, reportCallIssue=false
 
-from math import sqrt
-
 from directrix.kernels.call import call_lanes
 from directrix.kernels.compile import LANES
 from directrix.kernels.jit import compiled, inner
+from directrix.kernels.judged import finest_of
 from directrix.kernels.rows import NODE
 from directrix.kernels.strip_elimination import (
     AUDIT,
@@ -22,14 +21,11 @@ from directrix.kernels.strip_elimination import (
 )
 
 __all__ = [
-    "LARGE_TURN", "MOVES", "RESULTS", "SHOWN", "TANGENTS", "balance", "close", "finest", "judged", "load", "move",
+    "LARGE_TURN", "MOVES", "RESULTS", "SHOWN", "TANGENTS", "balance", "close", "finest", "load", "move",
     "pack", "rows_back", "shoot", "unpack", "zero",
 ]  # fmt: skip
 
 LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
-SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
-ROUNDED = 2e-16  # what rounding leaves in an increment for every node of a lane; they add up at random
-REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 # places of the results of a step
 ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS, MOVES = 0, 1, 2, 5, 8, 16, 17, 18, 19
 SHOWN = 12  # iterations of a step whose moves are among its results
@@ -91,21 +87,7 @@ def balance(code, s, first, g, w):
 @inner
 def finest(s):
     """Size of an increment that is round-off."""
-    return max(SETTLED, ROUNDED * sqrt(s.elements * s.stride))
-
-
-@inner
-def judged(moved, turned, length, before, again, fine):
-    """An increment against the one ``before``, made with an old tangent or not: its size; whether it is small, and so
-    small that the next is round-off; whether the next ones may do with the tangent that there is."""
-    size = max(moved / length, turned)
-    # by how much the next increment shrinks if the tangent is kept: after a new one convergence is quadratic
-    rate = size / before if before > 0.0 else 1.0
-    if not again:
-        rate *= rate
-    small = moved <= 1e-9 * length and turned <= 1e-9
-    settled = not again or size * rate <= fine
-    return size, small, settled, rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
+    return finest_of(s.elements * s.stride)
 
 
 @inner

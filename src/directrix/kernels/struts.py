@@ -9,7 +9,7 @@ import numpy as np
 
 from directrix.kernels.jit import compiled, inner
 
-__all__ = ["back", "reduce"]
+__all__ = ["again", "back", "reduce"]
 
 
 @inner
@@ -47,15 +47,16 @@ def _less(to, a, b, first, columns):
 
 
 @compiled
-def reduce(strut, rows, own, before, after, joints, dest, blocks, rhs, small, small_rhs, kept):
+def reduce(strut, rows, own, before, after, joints, dest, blocks, rhs, small, small_rhs, kept, factors):
     """Fill the system of the junctions, ``small`` blocks and ``small_rhs``; False where a row cannot be eliminated.
 
     ``strut`` (struts + 1): where the inner rows of each begin in ``rows``. Per inner row the places of its blocks:
     ``own``, ``before`` (in its row, in the row before it) and ``after`` (in its row, in the row after it). Per strut
     ``joints`` (a, b) and ``dest``, the places of (a, a), (a, b), (b, a), (b, b) in ``small``. ``kept`` (rows, 6, 13)
-    receives P, Q, y.
+    receives P, Q, y, and ``factors`` (rows, 6, 18) what :func:`again` needs: D⁻¹, and what of y goes to a and to the
+    next row.
     """
-    w, d, f, g, b = np.empty((6, 19)), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
+    w, d, f, g, b = np.empty((6, 25)), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
     for s in range(strut.shape[0] - 1):
         start, stop = strut[s], strut[s + 1]
         head, tail = joints[s, 0], joints[s, 1]
@@ -68,12 +69,15 @@ def reduce(strut, rows, own, before, after, joints, dest, blocks, rhs, small, sm
             for i in range(6):
                 for c in range(6):
                     w[i, c], w[i, 6 + c], w[i, 12 + c] = d[i, c], up[i, c], f[i, c]
-                w[i, 18] = b[i]
-            if not _gauss_jordan(w, 19):
+                    w[i, 19 + c] = 0.0
+                w[i, 18], w[i, 19 + i] = b[i], 1.0
+            if not _gauss_jordan(w, 25):
                 return False
             for i in range(6):
                 for c in range(13):
                     kept[j, i, c] = w[i, 6 + c]
+                for c in range(6):
+                    factors[j, i, c], factors[j, i, 6 + c], factors[j, i, 12 + c] = w[i, 19 + c], g[i, c], low[i, c]
             _less(small[dest[s, 0]], g, w, 12, 6)
             for i in range(6):
                 for k in range(6):
@@ -98,6 +102,30 @@ def reduce(strut, rows, own, before, after, joints, dest, blocks, rhs, small, sm
                 _less(d_next, g, w, 6, 6)
                 g[:] = d_next
     return True
+
+
+@compiled
+def again(strut, rows, joints, factors, rhs, small_rhs, kept):
+    """``small_rhs`` and y in ``kept`` for another right-hand side, with the ``factors`` of :func:`reduce`."""
+    b, y = np.empty(6), np.empty(6)
+    for s in range(strut.shape[0] - 1):
+        head, tail = joints[s, 0], joints[s, 1]
+        b[:] = 0.0
+        for j in range(strut[s], strut[s + 1]):
+            for i in range(6):
+                b[i] += rhs[rows[j], i]
+            for i in range(6):
+                y[i] = 0.0
+                for k in range(6):
+                    y[i] += factors[j, i, k] * b[k]
+                kept[j, i, 12] = y[i]
+            for i in range(6):
+                b[i] = 0.0
+                for k in range(6):
+                    small_rhs[head, i] -= factors[j, i, 6 + k] * y[k]
+                    b[i] -= factors[j, i, 12 + k] * y[k]
+        for i in range(6):
+            small_rhs[tail, i] += b[i]
 
 
 @compiled

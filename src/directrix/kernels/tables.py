@@ -84,6 +84,8 @@ class Work(Record):
     r: Array
     eliminated: Array
     back: Array
+    kept: Array
+    size: Array
     flow: Array
     ground: Array
     taken: Array
@@ -212,6 +214,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
     most = max(g.layout.nn for g in disc.groups)
     history = max(HISTORY * g.element.rows(g.layout) for g in disc.groups)
     outputs = max(6 * most + 36 * most * most, 7 + most + 7 * max(g.layout.points for g in disc.groups), history, FLOWS)
+    chain = disc.pattern.chain  # its solver keeps no factors, so nothing that goes with them is kept either
     inside = sum(6 * (g.layout.nn - g.in_pattern.shape[1]) * len(g.conn) for g in disc.groups)
     return Work(
         internal=np.zeros((n, 6)),
@@ -228,8 +231,10 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         out=np.zeros(padded(outputs) * LANES),
         k=np.zeros((6 * most, 6 * most)),
         r=np.zeros(6 * most),
-        eliminated=np.zeros((max(0, 6 * most - 12),) * 2),
+        eliminated=np.zeros((max(0, 6 * most - 12), max(0, 12 * most - 24))),
         back=np.zeros((inside, 13)),
+        kept=np.zeros((0 if chain else inside, max(0, 6 * most - 12) + 12)),
+        size=np.zeros(1),
         flow=np.zeros(10),
         ground=np.zeros(6),
         taken=np.zeros(len(disc.sources.names)),

@@ -57,6 +57,7 @@ class Condensed:
 
     def __init__(self, rowptr: Ints, column: Ints, make: Make | None = None) -> None:
         self.rowptr, self.column = rowptr, column
+        self.condensed = False  # whether the factors that are there are those of struts and junctions
         n = len(rowptr) - 1
         place: list[dict[int, int]] = [
             {int(column[k]): int(k) for k in range(rowptr[i], rowptr[i + 1]) if 0 <= column[k] < n} for i in range(n)
@@ -89,7 +90,7 @@ class Condensed:
         self.joints = _pairs(ends)
         self.ends = _pairs((chain[0], chain[-1]) for chain in chains)
         self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64).reshape(-1, 4)
-        self.kept = np.zeros((len(inner), 6, 13))
+        self.kept, self.factors = np.zeros((len(inner), 6, 13)), np.zeros((len(inner), 6, 18))
         self.small = (make or usual())(self.small_ptr, np.array(small_column, np.int64), self.junctions)
 
     @cached_property
@@ -99,29 +100,53 @@ class Condensed:
 
     def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
         """See :meth:`BlockSparse.solve`."""
-        if self.usable and not at_limit and (rhs.ndim == 2 or not isinstance(self.small, BlockSparse)):
-            found = [self._condensed(blocks, b) for b in rhs.reshape(-1, *rhs.shape[-2:])]
-            if all(x is not None for x in found):
-                return np.array(found).reshape(rhs.shape)
+        self.condensed = self.usable and not at_limit and (rhs.ndim == 2 or not isinstance(self.small, BlockSparse))
+        if self.condensed:
+            found = self._condensed(blocks, rhs.reshape(-1, *rhs.shape[-2:]))
+            if found is not None:
+                return found.reshape(rhs.shape)
+            self.condensed = False
         return self.plain.solve(blocks, rhs, at_limit=at_limit)
 
-    def _condensed(self, blocks: Array, rhs: Array) -> Array | None:
+    def again(self, rhs: Array) -> Array | None:
+        """See :meth:`LinearSolver.again`."""
+        return self._through(rhs) if self.condensed else self.plain.again(rhs)
+
+    def _condensed(self, blocks: Array, sides: Array) -> Array | None:
+        """Solutions for ``sides`` (many, n, 6); None where one of them is not good."""
+        whole = Blocks(self.rowptr, self.column, blocks)
+        found: list[Array] = []
+        for b in sides:
+            x = self._through(b) if found else self._factored(blocks, b)
+            if x is None or not whole.solved(b, whole.off(b, x)):
+                return None
+            found.append(x)
+        return np.array(found)
+
+    def _factored(self, blocks: Array, rhs: Array) -> Array | None:
         small = np.zeros((int(self.small_ptr[-1]) + 1, 6, 6))
         small[self.direct[:, 0]] = blocks[self.direct[:, 1]]
         small_rhs = rhs[self.junctions].copy()
         if not struts.reduce(
             self.strut, self.rows, self.own, self.before, self.after, self.joints, self.dest, blocks, rhs, small,
-            small_rhs, self.kept,
+            small_rhs, self.kept, self.factors,
         ):  # fmt: skip
             return None
-        at_junctions = self.small.solve(small, small_rhs)
+        return self._spread(self.small.solve(small, small_rhs), rhs)
+
+    def _through(self, rhs: Array) -> Array | None:
+        small_rhs = rhs[self.junctions].copy()
+        struts.again(self.strut, self.rows, self.joints, self.factors, rhs, small_rhs, self.kept)
+        return self._spread(self.small.again(small_rhs), rhs)
+
+    def _spread(self, at_junctions: Array | None, rhs: Array) -> Array | None:
+        """All rows from those of the junctions."""
         if at_junctions is None:
             return None
         x = np.zeros_like(rhs)
         x[self.junctions] = at_junctions
         struts.back(self.strut, self.rows, self.ends, self.kept, x)
-        whole = Blocks(self.rowptr, self.column, blocks)
-        return x if whole.solved(rhs, whole.off(rhs, x)) else None
+        return x
 
 
 def _pairs(pairs: Iterable[tuple[int, int]]) -> Ints:

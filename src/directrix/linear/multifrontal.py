@@ -60,17 +60,24 @@ class Multifrontal:
             _placed(front, found, real[some], row[some], column[some]) for front, some in zip(found, parts, strict=True)
         ]
         self._branches, self._trunk = _branches(found)
+        self._factors: list[_Factor] = []
+        self._scale: Array = np.ones((n, 6))
 
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where pivots inside the fronts are not enough."""
         whole = Blocks(self.rowptr, self.column, blocks)
+        self._factors = []  # room for the next ones
         try:
-            factors = self._factors(whole.blocks, whole.scale)
+            self._factors, self._scale = self._factored(whole.blocks, whole.scale), whole.scale
         except _VanishingPivotError:
             return None
-        return whole.refined(rhs, lambda b: self._substituted(factors, b))
+        return whole.refined(rhs, self._substituted)
 
-    def _factors(self, blocks: Array, scale: Array) -> list[_Factor]:
+    def again(self, rhs: Array) -> Array:
+        """See :meth:`LinearSolver.again`."""
+        return self._scale * self._substituted(self._scale * rhs)
+
+    def _factored(self, blocks: Array, scale: Array) -> list[_Factor]:
         left, factors = dict[int, Array](), dict[int, _Factor]()
 
         def eliminate(k: int, share: Share = in_turn) -> None:
@@ -87,14 +94,14 @@ class Multifrontal:
                 eliminate(k, share)
         return [factors[k] for k in range(len(self._fronts))]
 
-    def _substituted(self, factors: list[_Factor], b: Array) -> Array:
+    def _substituted(self, b: Array) -> Array:
         """x (n, 6) with D K D x = b."""
         x = b.copy()
-        for front, factor in zip(self._fronts, factors, strict=True):
+        for front, factor in zip(self._fronts, self._factors, strict=True):
             y = getrs(factor.lu, factor.swaps, x[front.pivots].ravel())[0]
             x[front.border] -= (factor.lower @ y).reshape(-1, 6)
             x[front.pivots] = y.reshape(-1, 6)
-        for front, factor in zip(reversed(self._fronts), reversed(factors), strict=True):
+        for front, factor in zip(reversed(self._fronts), reversed(self._factors), strict=True):
             x[front.pivots] -= (factor.upper @ x[front.border].ravel()).reshape(-1, 6)
         return x
 

@@ -136,6 +136,7 @@ class PetscSolver:
         self.b = self.matrix.createVecLeft()
         self.x = self.matrix.createVecRight()
         self.spread, self.all = lib.Scatter.toAll(self.x)
+        self.scale: Array = np.ones((n, 6))
         self.ksp = lib.KSP().create(world)
         self.ksp.setOperators(self.matrix)
         part = self.ksp.getPC()
@@ -152,13 +153,18 @@ class PetscSolver:
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where PETSc finds none."""
         whole = Blocks(self.rowptr, self.column, blocks)
-        scale = whole.scale
+        scale = self.scale = whole.scale
         values = scale[self.rows][:, :, None] * blocks[self.entries] * scale[self.columns][:, None, :]
         self.matrix.setValuesCSR(*self.csr, values.reshape(-1)[self.order])
         self.matrix.assemble()
         if self.how.method == "gamg":
             self._tell_motions(scale)
         return whole.refined(rhs, self._solved)
+
+    def again(self, rhs: Array) -> Array | None:
+        """See :meth:`directrix.linear.conformance.LinearSolver.again`."""
+        x = self._solved(self.scale * rhs)
+        return None if x is None else self.scale * x
 
     def _solved(self, b: Array) -> Array | None:
         """What PETSc gives for the right-hand side ``b`` (n, 6), on every process."""

@@ -48,6 +48,8 @@ class BlockSparse:
         self._indices, self._indptr = tag.indices, tag.indptr
         self._columns = np.repeat(np.arange(self.size), np.diff(tag.indptr))
         self._entries: Ints = entries[np.asarray(tag.data, np.int64) - 1]
+        self._factors: Any = None
+        self._sizes: Array = np.ones(self.size)
 
     def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
         """x with K x = rhs, or None when K is singular. ``blocks`` (blocks, 6, 6), ``rhs`` and x (…, n, 6).
@@ -58,22 +60,37 @@ class BlockSparse:
         from scipy.sparse import csc_matrix
 
         data = blocks.ravel()[self._entries]
-        scale = self._scale(data)
+        self._factors = None  # room for the next ones
+        scale = self._sizes = self._scale(data)
         data = data * scale[self._indices] * scale[self._columns]
         matrix = csc_matrix((data, self._indices, self._indptr), shape=(self.size, self.size))
-        b = np.empty((self.size, rhs.size // self.size))
-        b[self._order] = rhs.reshape(-1, self.size).T
-        b *= scale[:, None]
+        b = self._placed(rhs)
         size = np.linalg.norm(b, axis=0)
         for spec, pivot in (("NATURAL", 1e-3), ("COLAMD", 1.0)):
             try:
-                x = _factor(matrix, spec, pivot).solve(b)
+                factors = _factor(matrix, spec, pivot)
             except RuntimeError:  # SuperLU: the factor is exactly singular
                 continue
+            x = factors.solve(b)
             allowed = size + np.abs(data).max() * np.linalg.norm(x, axis=0) if at_limit else size
             if np.all(np.linalg.norm(b - matrix @ x, axis=0) <= 1e-8 * allowed):
-                return (scale[:, None] * x)[self._order].T.reshape(rhs.shape)
+                self._factors = factors
+                return self._back(x, rhs)
         return None
+
+    def again(self, rhs: Array) -> Array:
+        """See :meth:`LinearSolver.again`."""
+        return self._back(self._factors.solve(self._placed(rhs)), rhs)
+
+    def _placed(self, rhs: Array) -> Array:
+        """Scaled right-hand sides (size, many) in the order of the factors."""
+        b = np.empty((self.size, rhs.size // self.size))
+        b[self._order] = rhs.reshape(-1, self.size).T
+        b *= self._sizes[:, None]
+        return b
+
+    def _back(self, x: Array, rhs: Array) -> Array:
+        return (self._sizes[:, None] * x)[self._order].T.reshape(rhs.shape)
 
     def _scale(self, data: Array) -> Array:
         """D (size,) that brings the largest entry of every column of D K D towards 1 (Ruiz 2001, three rounds)."""

@@ -1,0 +1,151 @@
+"""Factors that are kept: the same right-hand sides, the same states as with a new tangent in every iteration."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import directrix as dx
+from directrix import motion, statics
+from directrix.discretisation import discretise
+from directrix.kernels import step
+from directrix.kernels.elements import internal_forces, right_side
+from directrix.linear.condensed import Condensed
+from directrix.newton import Newton, Settings
+from directrix.result import Result
+from directrix.state import initial_state
+
+SECTION = dx.Section.rectangle(0.04, 0.05, E=1e8, nu=0.3, rho=1000)
+
+
+def star(order: int, elements: int = 2) -> dx.Model:
+    """Three arms from a hub, two clamped outside; a hinge at the third, and a rod that hangs from it."""
+    model = dx.Model(name="star")
+    for name, end in (("a", (1, 0, 0)), ("b", (0, 1, 0.2)), ("c", (-1, -0.5, 0))):
+        model = model.rod(
+            dx.line((0, 0, 0), end), SECTION, name=name, ends=("hub", name), elements=elements, order=order
+        )
+    model = model.rod(
+        dx.line((-1, -0.5, 0), (-1.5, -1, 0)), SECTION, name="d", ends=("d0", "d"), elements=elements, order=order
+    )
+    return model.clamp("a").clamp("b").hinge("c", "d0", axis=(0, 0, 1), name="hinge")
+
+
+def busy(order: int) -> dx.Model:
+    """With all that has forces of its own: a floor, a spring, a body, a follower."""
+    model = star(order).gravity((0, 0, -9.81)).spring("hub", "d", 50.0, name="spring").point_mass("d", 0.5)
+    floor = dx.Plane((0, 0, -0.001), (0, 0, 1))
+    return model.force("d", (3.0, 0, 1.0), follower=True).contact(
+        floor, stiffness=1e5, radius=0.0, width=1e-3, name="floor"
+    )
+
+
+@pytest.mark.parametrize(
+    ("order", "integrator"),
+    [(1, dx.EnergyMomentum()), (2, dx.EnergyDissipating(0.2)), (2, dx.GeneralizedAlpha(0.8)), (3, dx.EnergyMomentum())],
+    ids=repr,
+)
+def test_a_right_hand_side_by_itself_is_that_of_the_assembly(order: int, integrator: dx.Integrator) -> None:
+    """With nodes inside elements, that are condensed, multipliers, supports, and nodes that touch a floor."""
+    scheme = integrator.scheme(0.01)
+    disc = discretise(busy(order), scheme)
+    newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
+    rng, work = np.random.default_rng(1), newton.work
+    x[: disc.nodes, :3] += 1e-3 * rng.standard_normal((disc.nodes, 3))
+    x[disc.nodes : disc.rows, :6] += rng.standard_normal((disc.rows - disc.nodes, 6))
+    external = disc.external(0.0)
+    newton.begin(x)
+    step.assemble(newton.tables, work, x, newton.globals, external, newton.mask, False)
+    rhs, inside, blocks = work.rhs.copy(), work.back[:, 12].copy(), work.blocks.copy()
+    work.rhs[:] = work.back[:, 12] = 0.0
+    internal_forces(newton.tables, work, x, newton.globals, external)
+    right_side(newton.tables, work, newton.mask)
+    np.testing.assert_allclose(work.rhs, rhs, rtol=0, atol=1e-12 * np.abs(rhs).max())
+    np.testing.assert_allclose(work.back[:, 12], inside, rtol=0, atol=1e-12 * np.abs(inside).max(initial=0.0))
+    assert (inside.size > 0) == (order > 1) and work.blocks.tobytes() == blocks.tobytes()
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """How often the solver was asked for new factors, and to go through those that are there."""
+    count = {"solve": 0, "again": 0}
+
+    def counted(name: str) -> Callable[..., object]:
+        plain = getattr(Condensed, name)
+
+        def ask(self: Condensed, *given: object, **more: object) -> object:
+            count[name] += 1
+            return plain(self, *given, **more)
+
+        return ask
+
+    for name in count:
+        monkeypatch.setattr(Condensed, name, counted(name))
+    return count
+
+
+def both(
+    run: Callable[[], Result], asked: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> tuple[Result, Result, int]:
+    """A run with a new tangent each time and one that keeps factors; how many factorizations more the first takes."""
+    with monkeypatch.context() as patch:
+        for module in (motion, statics):
+            patch.setattr(module, "Settings", lambda *a, **k: Settings(*a, **{**k, "reuse": False}))
+        fresh = run()
+    assert asked["again"] == 0 and asked["solve"] >= fresh.iterations.sum()
+    more = asked["solve"]
+    asked.update(solve=0, again=0)
+    kept = run()
+    assert fresh.success and kept.success and kept.audit.passed
+    return fresh, kept, more - asked["solve"]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_motion_is_the_same_with_half_of_the_factorizations(
+    order: int, asked: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = star(order).gravity((0, 0, -9.81))
+    fresh, kept, saved = both(lambda: dx.simulate(model, 0.5, 0.01), asked, monkeypatch)
+    assert asked["again"] > 0 and saved >= 0.3 * fresh.iterations.sum()
+    np.testing.assert_allclose(kept.r, fresh.r, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(kept.R, fresh.R, rtol=0, atol=1e-10)
+    worst = [max(entry.value for entry in run.audit.entries) for run in (fresh, kept)]
+    assert worst[1] <= max(2.0 * worst[0], 1e-12)
+    assert kept.trail.count.tolist() == kept.iterations.tolist() and np.isfinite(kept.trail.rows).all()
+
+
+def test_load_steps_and_busy_motions_are_the_same(asked: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    model = star(2).gravity((0, 0, -9.81)).spring("hub", "d", 50.0, name="spring").pin("d")
+    for run, least in (
+        (lambda: dx.solve_static(model, steps=3), 0.1),
+        (lambda: dx.simulate(busy(2), 0.2, 0.005), 0.1),
+        (lambda: dx.simulate(star(1).gravity((0, 0, -9.81)), 0.2, 0.01, integrator=dx.GeneralizedAlpha(0.8)), 0.2),
+    ):
+        asked.update(solve=0, again=0)
+        fresh, kept, saved = both(run, asked, monkeypatch)
+        assert saved >= least * fresh.iterations.sum()
+        np.testing.assert_allclose(kept.r, fresh.r, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("answer", ["none", "not finite"])
+def test_factors_that_are_no_good_make_room_for_a_new_tangent(answer: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = star(1).gravity((0, 0, -9.81))
+    usual = dx.simulate(model, 0.05, 0.01)
+    monkeypatch.setattr(Condensed, "again", lambda self, rhs: None if answer == "none" else np.full_like(rhs, np.inf))
+    result = dx.simulate(model, 0.05, 0.01)
+    assert result.success and result.info["cuts"] == 0 and result.iterations.sum() > usual.iterations.sum()
+    np.testing.assert_allclose(result.r, usual.r, rtol=0, atol=1e-12)
+
+
+def test_where_a_tangent_is_new_each_time(asked: dict[str, int]) -> None:
+    """Friction, and rotations that are carried from iteration to iteration."""
+    rough = dataclasses.replace(busy(1), contacts=()).contact(
+        dx.Plane((0, 0, -0.1), (0, 0, 1)), stiffness=1e5, friction=0.3, slip_speed=0.01, radius=0.02
+    )
+    assert dx.simulate(rough, 0.02, 0.005).success
+    carried = dataclasses.replace(star(1), joints=()).clamp("d").gravity((0, 0, -1))
+    assert dx.solve_static(carried, steps=1, formulation=dx.SimoVuQuoc()).success
+    assert asked["solve"] > 0 and asked["again"] == 0
