@@ -58,6 +58,15 @@ def frame(damping: float = 0.1) -> dx.Model:
     )
 
 
+def swinging() -> dx.Model:
+    """A frame whose steps begin with the factors of the ones before: nothing is prescribed."""
+    rod, section = test_joints.two_rods(test_joints.STIFF), test_joints.STIFF
+    model = rod.hinge("B", "C", axis=(0, 0.3, 1), stiffness=10.0).clamp("A")
+    model = model.rod(dx.line((1, 0, 0), (1, 0, 0.5)), section, name="three", ends=("B", "E"), elements=2)
+    model = model.actuate("one", curvature=dx.harmonic((0.05, 0.02), 2.0))
+    return model.gravity((0, 0, -9.81)).force("D", dx.ramp((20.0, 0, 5.0), 0.0, 0.2), follower=True)
+
+
 def flying() -> dx.Model:
     """Two rods that every time step can take."""
     model = dx.Model(name="flight").rod(dx.line((0, 0, 0), (1, 0, 0)), RUBBER, name="a", ends=("A", "B"), elements=4)
@@ -117,6 +126,7 @@ FEW: dict[str, Solve] = {
         dx.continuation, pushed_column, 1.0, control=dx.ArcLength(ds=0.05, load_step=0.05, direction="backward",
         max_steps=16, branch=1), save_every=2,
     ),
+    "a frame that keeps its factors": simulated(swinging(), 0.005, 40, save_every=3),
 }  # fmt: skip
 
 

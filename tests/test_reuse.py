@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from test_contact import crossing
 
 import directrix as dx
 from directrix import motion, statics
@@ -14,8 +16,8 @@ from directrix.discretisation import discretise
 from directrix.kernels import step
 from directrix.kernels.elements import internal_forces, right_side
 from directrix.linear.condensed import Condensed
-from directrix.newton import Newton, Settings
-from directrix.result import Result
+from directrix.newton import Newton, Outcome, Settings
+from directrix.result import Result, Status
 from directrix.state import initial_state
 
 SECTION = dx.Section.rectangle(0.04, 0.05, E=1e8, nu=0.3, rho=1000)
@@ -130,6 +132,67 @@ def test_load_steps_and_busy_motions_are_the_same(asked: dict[str, int], monkeyp
         np.testing.assert_allclose(kept.r, fresh.r, rtol=0, atol=1e-10)
 
 
+def stepped(newton: Newton, x: np.ndarray, k: int) -> None:
+    loads = newton.disc.external(0.002 * (k + 0.5))
+    newton.begin(x)
+    assert newton.solve(x, loads).status is None
+    newton.finish(x)
+
+
+def swung() -> tuple[Newton, np.ndarray]:
+    model = star(2).gravity((0, 0, -9.81)).force("d", dx.ramp((2.0, 0, 0.5), 0.0, 0.1), follower=True)
+    scheme = dx.EnergyMomentum().scheme(0.002)
+    disc = discretise(model, scheme)
+    return Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
+
+
+def test_factors_of_the_step_before_are_made_again_bit_by_bit(asked: dict[str, int]) -> None:
+    """Of any step, though they are some steps old: what they were made of is remembered."""
+    (newton, x), made = swung(), list[int]()
+    for k in range(16):
+        memory, start = copy.deepcopy(newton.remember()), x.copy()
+        asked.update(solve=0, again=0)
+        stepped(newton, x, k)
+        made.append(asked["solve"])
+        again, _ = swung()
+        again.recall(memory)
+        stepped(again, start, k)
+        assert start.tobytes() == x.tobytes()
+    assert made[0] == 2 and max(made[1:]) == 1 and 0 in made, made
+
+
+def test_steps_of_another_length_and_after_failures_begin_anew(asked: dict[str, int]) -> None:
+    newton, x = swung()
+    for k in range(3):
+        stepped(newton, x, k)
+    x = newton.retime(dx.EnergyMomentum().scheme(0.001), x)
+    asked.update(solve=0, again=0)
+    stepped(newton, x, 3)
+    assert asked["solve"] >= 1 and newton._tangent is not None
+    newton.begin(x)
+    far = newton.disc.external(0.0)
+    far[:, :3] += 1e12
+    assert newton.solve(x, far).status is not None and newton._tangent is None
+
+
+def test_a_step_that_fails_through_old_factors_is_taken_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = star(1).gravity((0, 0, -9.81))
+    usual = dx.simulate(model, 0.05, 0.01)
+    plain, failed = Newton._iterate, list[int]()
+
+    def failing(self: Newton, tables: object, x: np.ndarray, external: np.ndarray, moved: bool, kept: bool = False):
+        if not kept:
+            return plain(self, tables, x, external, moved)
+        x[:] = np.nan
+        failed.append(1)
+        return Outcome(1, Status("not_converged", "far away.", "None."))
+
+    monkeypatch.setattr(Newton, "_iterate", failing)
+    result = dx.simulate(model, 0.05, 0.01)
+    assert result.success and len(failed) == 4 and result.info["cuts"] == 0
+    np.testing.assert_allclose(result.r, usual.r, rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize("answer", ["none", "not finite"])
 def test_factors_that_are_no_good_make_room_for_a_new_tangent(answer: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = star(1).gravity((0, 0, -9.81))
@@ -138,6 +201,21 @@ def test_factors_that_are_no_good_make_room_for_a_new_tangent(answer: str, monke
     result = dx.simulate(model, 0.05, 0.01)
     assert result.success and result.info["cuts"] == 0 and result.iterations.sum() > usual.iterations.sum()
     np.testing.assert_allclose(result.r, usual.r, rtol=0, atol=1e-12)
+
+
+def test_rods_that_rub_have_a_new_tangent_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From where they come near one another on; not while they fly."""
+    rough, through = list[bool](), Newton._through
+
+    def noticed(self: Newton) -> object:
+        rough.append(self.rough)
+        return through(self)
+
+    monkeypatch.setattr(Newton, "_through", noticed)
+    model = crossing(1, friction=0.3, slip_speed=0.01).spring("a.start", "b.start", 10.0).spring("a.end", "b3", 10.0)
+    result = dx.simulate(model, 0.1, 2e-3)
+    assert result.success and result.contact("both").force.max() > 0.0
+    assert rough and not any(rough)
 
 
 def test_where_a_tangent_is_new_each_time(asked: dict[str, int]) -> None:

@@ -17,6 +17,7 @@ from directrix.formulations.contact import SOFTENING, ObstacleElement, PairEleme
 from directrix.keeping.memory import recall, remember
 from directrix.kernels import step as kernel
 from directrix.kernels.elements import PAR, SIZE, books_of
+from directrix.kernels.judged import BEND, FIRST, GONE
 from directrix.kernels.tables import damping_for, tables_for, work_for
 from directrix.kernels.trace import cross
 from directrix.linear.condensed import Condensed, usual
@@ -35,7 +36,10 @@ UPSIDE_DOWN = 1.0 + 2.0 * np.cos(np.radians(170.0))
 
 __all__ = ["Books", "Newton", "Outcome", "Settings"]
 
-CARRIED = ("applied", "reaction", "joints", "flow", "ground", "taken", "done", "scale")
+WORTH = 0.5
+"""A step begins with the factors of the last one if its increments are expected to shrink by less than this."""
+
+CARRIED = ("applied", "reaction", "joints", "flow", "ground", "taken", "done", "scale", "notes")
 """What a step leaves in the workspace for its books and for the next one."""
 
 
@@ -92,6 +96,14 @@ class Books(NamedTuple):
     scale: Array
 
 
+class _Tangent(NamedTuple):
+    """What the factors were made of: a state, the loads on it, and what drove the elements."""
+
+    x: Array
+    external: Array
+    driven: list[list[Array]]
+
+
 class Newton:
     """Solves steps of one discretisation under one scheme.
 
@@ -107,7 +119,7 @@ class Newton:
         self.options = np.array(
             [
                 settings.tolerance, *_round_off(disc, scheme.inertia), disc.length, settings.largest_turn,
-                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf, float(self._keeps),
+                settings.iterations, float(settings.rotation == "cayley"), 1.0, np.inf, 0.0,
             ]
         )  # fmt: skip
         self.totals, self.strains = np.zeros(11), np.zeros((disc.stations, 6))
@@ -138,6 +150,7 @@ class Newton:
         self.globals = self.work.common
         self.driver = Driver(disc.drives, self.tables.head[:, [PAR, SIZE]].tolist(), self.tables.par)
         self._sparse: Condensed | None = None
+        self._tangent: _Tangent | None = None
         self.rough = any(isinstance(g.element, ObstacleElement | PairElement) and g.element.rough for g in disc.groups)
         # friction jumps between sticking and sliding, and carried rotations count from the last iteration: both have a
         # new tangent each time; the solver of a chain keeps no factors
@@ -222,7 +235,14 @@ class Newton:
 
     def _balance(self, x: Array, external: Array, moved: bool) -> Outcome:
         self.start = start = x.copy()
-        outcome = self._iterate(self.tables, x, external, moved)
+        notes = self.work.notes
+        rate = notes[BEND] * (notes[GONE] + notes[FIRST])  # if this step begins as the last one did
+        kept = not moved and self._tangent is not None and bool(rate < WORTH and notes[FIRST] < kernel.LARGE_TURN)
+        outcome = self._iterate(self.tables, x, external, moved, kept)
+        if kept and outcome.status is not None:
+            x[:] = start
+            again = self._iterate(self.tables, x, external, moved)
+            outcome = Outcome(outcome.iterations + again.iterations, again.status)
         if self.rough and outcome.status is not None:
             x[:] = start
             again = self._by_softer_friction(x, external, moved)
@@ -248,6 +268,8 @@ class Newton:
             x[:] = start
             again = self._iterate(self.tables.replaced(chain=0), x, external, moved)
             outcome = Outcome(outcome.iterations + again.iterations, again.status)
+        if outcome.status is not None:
+            self._tangent = None
         return outcome
 
     def _by_softer_friction(self, x: Array, external: Array, moved: bool) -> Outcome:
@@ -280,22 +302,33 @@ class Newton:
         self.options[:] = usual
         return outcome
 
-    def _iterate(self, tables: object, x: Array, external: Array, moved: bool) -> Outcome:
-        control = np.array([0, 0, int(moved), 0, 0], np.int64)
+    def _iterate(self, tables: object, x: Array, external: Array, moved: bool, kept: bool = False) -> Outcome:
+        control = np.array([0, 0, int(moved), 0, int(kept)], np.int64)
         self.work.trail[:, 2:4] = np.nan
+        self.options[9] = self._keeps
         while True:
             code = kernel.newton(tables, self.work, x, self.globals, external, self.mask, self.options, control)
             if code in (kernel.SOLVE, kernel.AGAIN):
-                sparse, work = self.sparse, self.work
-                du = sparse.solve(work.blocks, work.rhs) if code == kernel.SOLVE else sparse.again(work.rhs)
-                if du is None and code == kernel.AGAIN:
-                    du = np.nan  # what cannot be taken gets a new tangent
+                du = self._new(x, external, bool(control[2])) if code == kernel.SOLVE else self._through()
                 if du is not None:
                     self.work.du[:] = du
                     continue
                 code = kernel.SINGULAR
             self.tried.append(self.work.trail[: control[1]].copy())
             return Outcome(int(control[1]), self.verdict(code, int(control[3])))
+
+    def _new(self, x: Array, external: Array, frozen: bool) -> Array | None:
+        """Increments through new factors; those of a motion are kept for the next step, with what they were made of."""
+        self._tangent = None
+        du = self.sparse.solve(self.work.blocks, self.work.rhs)
+        if du is not None and self._keeps and not frozen and not self.scheme.static:
+            self._tangent = _Tangent(x.copy(), external.copy(), self.driver.remember())
+        return du
+
+    def _through(self) -> Array | float:
+        """Increments through the factors that are there; what cannot be taken gets a new tangent."""
+        du = self.sparse.again(self.work.rhs)
+        return np.nan if du is None else du
 
     @property
     def trail(self) -> Array:
@@ -338,6 +371,7 @@ class Newton:
     def increments(self, x: Array, external: Array, count: int) -> list[float]:
         """Sizes of ``count`` undamped increments (largest displacement plus turn): to see the order of convergence."""
         sizes: list[float] = []
+        self._tangent = None
         for _ in range(count):
             kernel.assemble(self.tables, self.work, x, self.globals, external, self.mask, False)
             du = self.sparse.solve(self.work.blocks, self.work.rhs)
@@ -361,6 +395,7 @@ class Newton:
         """
         n, rows, common = self.disc.nodes, self.disc.rows, self.globals.copy()
         rates = x[:n, 24:36].copy()
+        self._tangent = None
         omega = axial_rates(x[:n])
         self.globals[:2] = 0.0, 1e10 / common[2] ** 2
         x[:n, 24:27], x[:n, 30:33] = rates[:, :3], omega
@@ -388,7 +423,7 @@ class Newton:
         """Take steps of another length from the state ``x`` on; the state as that scheme wants it."""
         if scheme == self.scheme:
             return x
-        before, self.scheme = self.scheme, scheme
+        before, self.scheme, self._tangent = self.scheme, scheme, None
         self.globals[: len(scheme.common)] = scheme.common
         self.options[1:3] = _round_off(self.disc, scheme.inertia)
         if self.tables.damping.size:
@@ -453,16 +488,26 @@ class Newton:
             "pairs": None if self.pairs is None else list(self.pairs),
             "driven": self.driver.remember(),
             "work": remember(self.work, *CARRIED),
+            "tangent": None if self._tangent is None else self._tangent._asdict(),
         }
 
     def recall(self, memory: dict[str, Any]) -> Books:
         """Go on from what :meth:`remember` gave; the books of the last step."""
         if memory["pairs"] is not None:
             self._bring(tuple(memory["pairs"]))
+        if memory["tangent"] is not None:
+            self._remake(_Tangent(**memory["tangent"]))
         recall(self, memory["own"])
         recall(self.work, memory["work"])
         self.driver.recall(memory["driven"])
         return self._books()
+
+    def _remake(self, tangent: _Tangent) -> None:
+        """The factors of a tangent again, bit by bit."""
+        self.driver.recall(tangent.driven)
+        x, external = tangent.x.copy(), tangent.external
+        kernel.assemble(self.tables, self.work, x, self.globals, external, self.mask, False)
+        self._new(x, external, False)
 
     def _about_zero(self) -> Books:
         if self.free:

@@ -5,10 +5,14 @@ from math import sqrt
 
 from directrix.kernels.jit import inner
 
-__all__ = ["finest_of", "judged"]
+__all__ = ["expected", "finest_of", "judged", "noted"]
 
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 ROUNDED = 2e-16  # what rounding leaves in an increment for every node in a row; they add up at random
+SLOW = 0.1  # increments that shrink by less a time are too many
+# places of what is noted: sizes of the last and of the first increment of a step, how far the state is from where the
+# tangent was made, and by how much first increments shrink through a tangent per distance to where it was made
+BEFORE, FIRST, GONE, BEND = range(4)
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 
 
@@ -29,4 +33,27 @@ def judged(moved, turned, length, before, again, fine):
         rate *= rate
     small = moved <= 1e-9 * length and turned <= 1e-9
     settled = not again or size * rate <= fine
-    return size, small, settled, rate < 0.1 and (small or size * rate ** (REUSES + 1) <= fine)
+    return size, small, settled, rate < SLOW and (small or size * rate ** (REUSES + 1) <= fine)
+
+
+@inner
+def expected(moved, turned, length, notes, again):
+    """The size of the increment before; for the first of a step, through the tangent of the step before, one that it
+    would have shrunk from as those of the last steps did, or 0."""
+    size = max(moved / length, turned)
+    rate = notes[BEND] * (notes[GONE] + size)
+    if again and notes[BEFORE] == 0.0 and rate > 0.0:
+        return size / rate
+    return notes[BEFORE]
+
+
+@inner
+def noted(size, again, count, notes):
+    """Take down the ``count``-th increment of a step. Later ones say little about the next step: they are other
+    motions, of higher frequency, that converge more slowly."""
+    if count == 1:
+        notes[FIRST] = size
+    if count == 2 and notes[BEFORE] > 0.0:
+        notes[BEND] = size / (notes[BEFORE] * notes[GONE])
+    notes[BEFORE] = size
+    notes[GONE] = size + (notes[GONE] if again else 0.0)

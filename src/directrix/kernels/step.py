@@ -25,7 +25,7 @@ from directrix.kernels.elements import (
     right_side,
 )
 from directrix.kernels.jit import compiled, inner
-from directrix.kernels.judged import finest_of, judged
+from directrix.kernels.judged import BEFORE, FIRST, expected, finest_of, judged, noted
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
 
@@ -206,6 +206,7 @@ def newton(tables, work, x, g, external, mask, options, control):
     """Iterate until balance, in one call for a chain; a general frame returns for every linear system: ``SOLVE`` asks
     for new factors, ``AGAIN`` for another right-hand side through those that are there. These are kept as
     :func:`judged` says, and for the last increments the iteration then goes on until the next would be round-off.
+    ``control[KEPT]`` may say at the start that there are some from the step before.
 
     ``options``: tolerance, floors (force, moment), length, largest turn per iteration, iterations allowed, Cayley,
     whether the positions are solved for by themselves after a large turn, largest displacement per iteration, whether
@@ -218,7 +219,9 @@ def newton(tables, work, x, g, external, mask, options, control):
     while True:
         if control[PHASE] == 0:
             if control[ITERATION] == 0:
-                work.size[0] = 0.0
+                work.notes[BEFORE] = 0.0
+                if control[KEPT] == 1:
+                    internal_forces(tables, work, x, g, external)
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
                 control[BLAME] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[1]
@@ -258,10 +261,13 @@ def newton(tables, work, x, g, external, mask, options, control):
         if frozen or turned > LARGE_TURN or moved > options[8]:
             if not frozen and turned > LARGE_TURN and options[7] > 0.0:
                 control[FROZEN] = 1
-            work.size[0] = 0.0
+            if control[ITERATION] == 1:
+                work.notes[FIRST] = turned
+            work.notes[BEFORE] = 0.0
             continue
-        size, small, settled, keep = judged(moved, turned, length, work.size[0], again, fine)
-        work.size[0] = size
+        before = expected(moved, turned, length, work.notes, again)
+        size, small, settled, keep = judged(moved, turned, length, before, again, fine)
+        noted(size, again, control[ITERATION], work.notes)
         if keep and options[9] > 0.0:
             control[KEPT] = 1
         if small or control[KEPT] == 1:
