@@ -5,14 +5,17 @@ from math import sqrt
 
 from directrix.kernels.jit import inner
 
-__all__ = ["expected", "finest_of", "judged", "noted"]
+__all__ = ["blurred", "expected", "finest_of", "judged", "noted"]
 
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 ROUNDED = 2e-16  # what rounding leaves in an increment for every node in a row; they add up at random
 SLOW = 0.1  # increments that shrink by less a time are too many
 # places of what is noted: sizes of the last and of the first increment of a step, how far the state is from where the
-# tangent was made, and by how much first increments shrink through a tangent per distance to where it was made
-BEFORE, FIRST, GONE, BEND = range(4)
+# tangent was made, by how much first increments shrink through a tangent per distance to where it was made; the largest
+# imbalance of the last iteration over what is allowed
+BEFORE, FIRST, GONE, BEND, LEFT = range(5)
+STALLED = 0.5  # an imbalance that stays above this part of the one before is round-off
+BLUR = 1e-9  # of the forces: what may be left in them by round-off that an old tangent turns the wrong way
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
 
 
@@ -57,3 +60,11 @@ def noted(size, again, count, notes):
         notes[BEND] = size / (notes[BEFORE] * notes[GONE])
     notes[BEFORE] = size
     notes[GONE] = size + (notes[GONE] if again else 0.0)
+
+
+@inner
+def blurred(floor, scale, notes):
+    """Whether a tangent is too old for the last digits. What rounding leaves in positions, times the stiffness, is in
+    balance within every element; an old tangent leaves it turned by as far as the state has gone, and the energy sees
+    that. ``floor`` and ``scale``: round-off in forces and moments, and how large they are."""
+    return notes[GONE] * floor[0] > BLUR * scale[0] or notes[GONE] * floor[1] > BLUR * scale[1]

@@ -25,7 +25,7 @@ from directrix.kernels.elements import (
     right_side,
 )
 from directrix.kernels.jit import compiled, inner
-from directrix.kernels.judged import BEFORE, FIRST, expected, finest_of, judged, noted
+from directrix.kernels.judged import BEFORE, FIRST, LEFT, STALLED, blurred, expected, finest_of, judged, noted
 from directrix.kernels.nodes import orthonormal
 from directrix.kernels.rates import NONE, begin, end
 
@@ -222,6 +222,7 @@ def newton(tables, work, x, g, external, mask, options, control):
                 work.notes[BEFORE] = 0.0
                 if control[KEPT] == 1:
                     internal_forces(tables, work, x, g, external)
+                    work.notes[LEFT] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[0]
             if control[ITERATION] >= allowed:
                 internal_forces(tables, work, x, g, external)
                 control[BLAME] = imbalance(tables.nodes, work, mask, tolerance, floor, length)[1]
@@ -268,12 +269,18 @@ def newton(tables, work, x, g, external, mask, options, control):
         before = expected(moved, turned, length, work.notes, again)
         size, small, settled, keep = judged(moved, turned, length, before, again, fine)
         noted(size, again, control[ITERATION], work.notes)
-        if keep and options[9] > 0.0:
-            control[KEPT] = 1
-        if small or control[KEPT] == 1:
+        keep = keep and options[9] > 0.0
+        if small or keep:
             internal_forces(tables, work, x, g, external)
+            if blurred(floor, work.scale, work.notes):
+                keep, settled = False, settled and not again
+            if keep:
+                control[KEPT] = 1
             worst, at = imbalance(tables.nodes, work, mask, tolerance, floor, length)
             control[BLAME] = at
+            # displacements of stiff parts are round-off long before their forces are
+            settled = settled and (not again or worst >= STALLED * work.notes[LEFT])
+            work.notes[LEFT] = worst
             if small and settled and worst <= 1.0:
                 return CONVERGED
             if not worst < 1e300:

@@ -234,7 +234,7 @@ def work_for(disc: Discretisation, scheme: Scheme) -> Work:
         eliminated=np.zeros((max(0, 6 * most - 12), max(0, 12 * most - 24))),
         back=np.zeros((inside, 13)),
         kept=np.zeros((0 if chain else inside, max(0, 6 * most - 12) + 12)),
-        notes=np.zeros(4),
+        notes=np.zeros(5),
         flow=np.zeros(10),
         ground=np.zeros(6),
         taken=np.zeros(len(disc.sources.names)),
