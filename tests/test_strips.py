@@ -12,7 +12,7 @@ from directrix import dynamics, strips
 from directrix.discretisation import discretise
 from directrix.kernels.compile import LANES
 from directrix.kernels.rows import ROW
-from directrix.kernels.strip_steps import RESULTS
+from directrix.kernels.strip_steps import RESULTS, TANGENTS
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.strips import strips_for
@@ -112,16 +112,38 @@ def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPa
     assert fast.success and fast.audit.passed
     assert np.abs(fast.r - slow.r).max() <= 1e-12 and np.abs(fast.v - slow.v).max() <= 2e-9 * np.abs(slow.v).max()
     assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
-    scheme = dx.EnergyMomentum().scheme(dt)
-    disc = discretise(model, scheme)
-    newton = Newton(disc, scheme, Settings())
-    chain = strips_for(disc, scheme, False, newton.options)
-    assert chain is not None
-    chain.pack(initial_state(disc, None, scheme))
+    chain = strips_of(model, dt)
     chain.run(np.zeros((1, RESULTS)))
     row = chain.parts[0].strip.row.reshape(-1, ROW, LANES)
     first, last = (np.abs(row[k, 144:180]).max() for k in (4, 39))  # D⁻¹F
     assert first > 0.0 and last == 0.0 and np.abs(row[39, :36]).max() > 0.0
+
+
+def strips_of(model: dx.Model, dt: float) -> strips.Strips:
+    """With the first state of the model in them."""
+    scheme = dx.EnergyMomentum().scheme(dt)
+    disc = discretise(model, scheme)
+    chain = strips_for(disc, scheme, False, Newton(disc, scheme, Settings()).options)
+    assert chain is not None
+    chain.pack(initial_state(disc, None, scheme))
+    return chain
+
+
+def test_a_step_begins_with_the_factors_of_the_last_one() -> None:
+    chain, results = strips_of(flight(40), 0.005), np.zeros((20, RESULTS))
+    chain.run(results)
+    assert results[0, TANGENTS] >= 2 and np.all(results[1:, TANGENTS] == 1)
+    after, state = results[-1].copy(), np.zeros((41, 40))
+    assert chain.keeps
+    chain.unpack(state)
+    chain.pack(state)
+    assert not chain.keeps  # another state: its first step has tangents of its own
+    chain.run(results[:2])
+    assert results[0, TANGENTS] >= 2 and results[1, TANGENTS] == 1
+    assert np.abs(results[0, 8:10] - after[8:10]).max() < 0.1 * after[8:10].sum()
+    wheel = strips_of(rod(elements=40).rigid_velocity((0, 0, 0), (0, 0, 20), about=(0, 0, 0)), 0.005)
+    wheel.run(results)
+    assert np.all(results[:, TANGENTS] >= 2) and not wheel.keeps  # a step turns it by 0.1 rad
 
 
 def test_energy_and_momenta_hold_over_a_long_flight() -> None:

@@ -19,8 +19,10 @@ Array = NDArray[np.float64]
 
 __all__ = ["Fast", "fast_for"]
 
-CARRIED = ("x", "res", "turn")
-"""What a strip keeps from step to step."""
+CARRIED, FACTORS = ("x", "res", "turn"), ("row", "within", "far")
+"""What a strip keeps from step to step; and if factors are kept."""
+JOINED = ("kept", "blocks")
+"""The same of the nodes where parts meet."""
 
 
 def fast_for(newton: Newton, pace: Fixed, every: int) -> Fast | None:
@@ -76,8 +78,12 @@ class Fast:
 
     def remember(self) -> dict[str, Any]:
         """What is in the lanes, digit by digit: a state that leaves them is rounded."""
-        lanes = [remember(part.strip, *CARRIED) for part in self.strips.parts]
-        return {"inside": self.inside, "booked": remember(self.accounts, "energy", "loss"), "lanes": lanes}
+        kept = self.strips.keeps
+        names = (*CARRIED, *FACTORS) if kept else CARRIED
+        lanes = [remember(part.strip, *names) for part in self.strips.parts]
+        joints = remember(self.strips.work, *JOINED) if kept else {}
+        booked = remember(self.accounts, "energy", "loss")
+        return {"inside": self.inside, "booked": booked, "lanes": lanes, "joints": joints}
 
     def recall(self, memory: dict[str, Any]) -> None:
         """Go on from what :meth:`remember` gave."""
@@ -85,6 +91,7 @@ class Fast:
         recall(self.accounts, memory["booked"])
         for part, lanes in zip(self.strips.parts, memory["lanes"], strict=True):
             recall(part.strip, lanes)
+        recall(self.strips.work, memory["joints"])
 
     def give(self, x: Array) -> None:
         """Write the state into ``x`` and leave the lanes."""

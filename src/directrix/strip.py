@@ -59,7 +59,8 @@ class Strip(Record):
 
 
 class Work(Record):
-    """The nodes where parts meet, if they do, and what all parts share."""
+    """The nodes where parts meet, if they do, and what all parts share. ``kept`` (1,): the next step begins with the
+    factors that there are."""
 
     eliminate: int
     blocks: Array
@@ -76,6 +77,7 @@ class Work(Record):
     sums: Array
     books: Array
     loss: Array
+    kept: NDArray[np.uint8]
 
 
 class Loads(Record):
@@ -158,6 +160,7 @@ def work_for(fixed: NDArray[np.uint8], largest: int) -> Work:
         elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
         fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(largest),
         np.zeros(LANES), np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
+        np.zeros(1, np.uint8),
     )  # fmt: skip
 
 

@@ -136,8 +136,14 @@ class Strips:
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
+        self.work.kept[0] = 0
         for part in self.parts:
             pack(part.strip.x, part.nodes, self.frames, x)
+
+    @property
+    def keeps(self) -> bool:
+        """Whether the next step begins with factors of the last one."""
+        return bool(self.work.kept[0])
 
     @property
     def every(self) -> int:

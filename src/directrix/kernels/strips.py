@@ -144,8 +144,11 @@ def _iterate(code, main, rest, g, w, options, row):
     and how many of them had a new tangent."""
     length, limit, allowed = options[3], options[4], int(options[5])
     fine = finest(main)
-    frozen = again = False
+    frozen = False
+    again = stale = w.kept[0] > 0
     before, tangents = 0.0, 0
+    if stale:
+        imbalance(code, main, rest, g, w, options)
     for iteration in range(1, allowed + 1):
         tangents += 0 if again else 1
         for part in range(2 if rest.lanes else 1):
@@ -163,11 +166,15 @@ def _iterate(code, main, rest, g, w, options, row):
         w.scale[0] = 1.0 if turned <= limit else limit / turned
         for part in range(2):
             move(code, main if part == 0 else rest, w.scale)
+        if iteration == 1:
+            w.kept[0] = turned <= LARGE_TURN
         if frozen or turned > LARGE_TURN:
-            frozen, again, before = not frozen and options[6] > 0.0, False, 0.0
+            frozen, again, stale, before = not frozen and options[6] > 0.0, False, False, 0.0
             continue
         before, small, settled, again = judged(moved, turned, length, before, again, fine)
-        if again or small:
+        if stale:  # every step has a tangent of its own
+            stale = again = False
+        elif again or small:
             worst = imbalance(code, main, rest, g, w, options)
             if small and settled and worst <= 1.0:
                 return iteration, tangents
@@ -221,6 +228,7 @@ def run(code, main, rest, g, w, options, results, loads, shots, before):
         zero(row)
         iterations, tangents = _iterate(code, main, rest, g, w, options, row)
         if iterations == 0:
+            w.kept[0] = 0
             for part in range(2):
                 _keep(main if part == 0 else rest, True)
             return k
