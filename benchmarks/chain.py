@@ -79,18 +79,19 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     strips.set_loads(disc.external(0.0)[None])
     strips.run(results)
     iterations, tangents = (float(results[:, column].mean()) for column in (0, strip_steps.TANGENTS))
-    (main, rest), code, g, work = (part.strip for part in strips.parts), strips.code, strips.g, strips.work
+    main, team = strips.parts[0].strip, strips.team[0]
+    code, g, work = strips.code, strips.g, strips.works[0]
     work.scale[0] = 0.0  # increments are not added
     calls: dict[str, tuple[Callable[[], object], float]] = {
         "tangent and elimination": (lambda: eliminate_strip(code, main, g, False), tangents),
-        "ends and back substitution": (lambda: kernel.solve(code, main, rest, work, False, False), iterations),
-        "update": (lambda: strip_steps.move(code, main, work.scale), iterations),
+        "ends and back substitution": (lambda: kernel.solve(code, team, main, work, False, False), iterations),
+        "update": (lambda: kernel.change(code, team, main, work.scale), iterations),
         "forces alone": (
-            lambda: kernel.imbalance(code, main, rest, g, work, strips.options),
+            lambda: kernel.imbalance(code, team, main, g, work, strips.options),
             iterations - tangents + 1,
         ),
         "right-hand side through old factors": (lambda: pass_again(code, main), iterations - tangents),
-        "books": (lambda: strip_steps.close(code, main, g, work), 1.0),
+        "books": (lambda: strip_steps.close(code, main, g), 1.0),
     }
     return {name: (1e9 * least(call, 41, time.perf_counter) / n, times) for name, (call, times) in calls.items()}
 

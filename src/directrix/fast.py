@@ -28,7 +28,8 @@ JOINED = ("kept", "blocks")
 def fast_for(newton: Newton, pace: Fixed, every: int) -> Fast | None:
     """The fast way for what ``newton`` solves in steps of ``pace``, every ``every``-th of which is saved, or None; see
     :func:`directrix.strips.strips_for`."""
-    strips = strips_for(newton.disc, newton.scheme, newton.tables.damping.size > 0, newton.options, every)
+    damped, threads = newton.tables.damping.size > 0, newton.settings.threads
+    strips = strips_for(newton.disc, newton.scheme, damped, newton.options, every, threads)
     return None if strips is None else Fast(newton, strips, pace)
 
 
@@ -81,7 +82,7 @@ class Fast:
         kept = self.strips.keeps
         names = (*CARRIED, *FACTORS) if kept else CARRIED
         lanes = [remember(part.strip, *names) for part in self.strips.parts]
-        joints = remember(self.strips.work, *JOINED) if kept else {}
+        joints = remember(self.strips.works[0], *JOINED) if kept else {}
         booked = remember(self.accounts, "energy", "loss")
         return {"inside": self.inside, "booked": booked, "lanes": lanes, "joints": joints}
 
@@ -91,7 +92,8 @@ class Fast:
         recall(self.accounts, memory["booked"])
         for part, lanes in zip(self.strips.parts, memory["lanes"], strict=True):
             recall(part.strip, lanes)
-        recall(self.strips.work, memory["joints"])
+        for work in self.strips.works:
+            recall(work, memory["joints"])
 
     def give(self, x: Array) -> None:
         """Write the state into ``x`` and leave the lanes."""

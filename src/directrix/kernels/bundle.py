@@ -50,29 +50,29 @@ def _next(lanes):
 
 
 @inner
-def _increments(code, s, g, w, kind):
+def _increments(code, s, g, kind):
     """``s.du`` and its sizes, in all lanes."""
     if kind == REUSE:
         pass_again(code, s)
     else:
         eliminate_strip(code, s, g, kind == FROZEN)
-    zero(w.size)
+    zero(s.size)
     none, last = s.none, s.elements * s.stride * SIX
-    call_lanes(code[BACKWARD_FAR], s.row, s.elements * R, none, 0, none, 0, s.du, last, w.size, 0)
-    rows_back(code, s, w)
+    call_lanes(code[BACKWARD_FAR], s.row, s.elements * R, none, 0, none, 0, s.du, last, s.size, 0)
+    rows_back(code, s)
 
 
 @inner
 def _weigh(s, w, lanes, lane, kind, result):
     """What the increment of a lane means for it."""
     options = lanes.options[lane]
-    moved, turned = sqrt(w.size[lane]), sqrt(w.size[LANES + lane])
+    moved, turned = sqrt(s.size[lane]), sqrt(s.size[LANES + lane])
     lanes.iteration[lane] += 1
     n = lanes.iteration[lane]
     result[TANGENTS] += 0 if kind == REUSE else 1
     if n <= SHOWN:
         result[MOVES + 2 * n - 2], result[MOVES + 2 * n - 1] = moved, turned
-    if not w.size[2 * LANES + lane] < 1e300:
+    if not s.size[2 * LANES + lane] < 1e300:
         lanes.mode[lane] = FAILED
         return
     w.scale[lane] = 1.0 if turned <= options[4] else options[4] / turned
@@ -92,21 +92,21 @@ def _weigh(s, w, lanes, lane, kind, result):
 
 
 @inner
-def _off(w, options, lane):
+def _off(s, w, options, lane):
     """Largest unbalanced force or moment of a lane over what is allowed, 1e300 if not finite."""
-    if not abs(w.most[4 * LANES + lane]) < 1e300:
+    if not abs(s.most[4 * LANES + lane]) < 1e300:
         return 1e300
-    force, moment = max(w.largest[lane], w.most[lane]), max(w.largest[LANES + lane], w.most[LANES + lane])
+    force, moment = max(w.largest[lane], s.most[lane]), max(w.largest[LANES + lane], s.most[LANES + lane])
     return max(
-        w.most[2 * LANES + lane] / max(options[0] * force, options[1]),
-        w.most[3 * LANES + lane] / max(options[0] * moment, options[2]),
+        s.most[2 * LANES + lane] / max(options[0] * force, options[1]),
+        s.most[3 * LANES + lane] / max(options[0] * moment, options[2]),
     )
 
 
 @inner
-def _settle(w, lanes, lane):
+def _settle(s, w, lanes, lane):
     """What a lane asks for that was ready, has moved and knows its residual."""
-    off = _off(w, lanes.options[lane], lane)
+    off = _off(s, w, lanes.options[lane], lane)
     if lanes.good[lane] and off <= 1.0:
         lanes.mode[lane] = DONE
     elif not off < 1e300 or lanes.iteration[lane] >= int(lanes.options[lane, 5]):
@@ -125,7 +125,7 @@ def _iterate(code, s, g, w, lanes, results, k):
             lanes.mode[lane] = TANGENT
     kind = _next(lanes)
     while kind < DONE:
-        _increments(code, s, g, w, kind)
+        _increments(code, s, g, kind)
         for lane in range(LANES):
             w.scale[lane] = 0.0
             if lanes.mode[lane] == kind and kind != READY:
@@ -137,23 +137,22 @@ def _iterate(code, s, g, w, lanes, results, k):
                 w.scale[lane] = 1.0 if go else 0.0
         move(code, s, w.scale)
         if go:
-            zero(w.most)
-            balance(code, s, 0, g, w)
+            balance(code, s, g)
             for lane in range(LANES):
                 if lanes.mode[lane] == READY:
-                    _settle(w, lanes, lane)
+                    _settle(s, w, lanes, lane)
         kind = _next(lanes)
 
 
 @inner
-def _book(w, lanes, lane, result):
+def _book(s, lanes, lane, result):
     result[ITERATIONS] = lanes.iteration[lane]
     for c in range(7):
-        result[WORK + c] = w.sums[c * LANES + lane]
-    result[HELD] = w.sums[7 * LANES + lane]
+        result[WORK + c] = s.sums[c * LANES + lane]
+    result[HELD] = s.sums[7 * LANES + lane]
     for c in range(8):
-        result[BOOKS + c] = w.books[c * LANES + lane]
-    result[LOSS] = w.loss[lane]
+        result[BOOKS + c] = s.books[c * LANES + lane]
+    result[LOSS] = s.loss[lane]
 
 
 @compiled
@@ -163,15 +162,15 @@ def run(code, s, g, w, lanes, results, loads, shots, before):
     """
     kept = 0
     for k in range(results.shape[0]):
-        if k < loads.main.shape[0]:
-            load(s, w, loads.main[k], loads.largest[k])
+        if k < loads.strips.shape[0]:
+            load(s, loads.strips[k])
+            for i in range(w.largest.shape[0]):
+                w.largest[i] = loads.largest[k, i]
         _iterate(code, s, g, w, lanes, results, k)
-        zero(w.sums)
-        zero(w.loss)
-        close(code, s, g, w)
+        close(code, s, g)
         for lane in range(LANES):
             if lanes.mode[lane] == DONE:
-                _book(w, lanes, lane, results[k, lane])
+                _book(s, lanes, lane, results[k, lane])
         if (before + k + 1) % shots.every == 0:
-            shoot(s, shots.main, shots, kept)
+            shoot(s, shots, kept)
             kept += 1
