@@ -26,7 +26,7 @@ __all__ = [
     "pack", "rows_back", "shoot", "unpack", "zero",
 ]  # fmt: skip
 
-LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
+LARGE_TURN = 0.2  # rad: after a larger rotation the positions are solved for again
 SETTLED = 1e-15  # error of an iterate, relative to the size of the model or in rad, that is left alone
 ROUNDED = 2e-16  # what rounding leaves in an increment for every node of a lane; they add up at random
 REUSES = 4  # a tangent is kept when so many increments with it are expected to be enough
