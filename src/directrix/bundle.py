@@ -63,7 +63,7 @@ class Lanes(Record):
     mode: Ints
     iteration: Ints
     before: Array
-    again: NDArray[np.uint8]
+    kept: NDArray[np.uint8]
     good: NDArray[np.uint8]
     options: Array
 

@@ -2,9 +2,9 @@
 
 No lane learns of another: what one computes does not depend on who is beside it. Each goes through Newton's iteration
 as if it were alone, and asks for rounds: one with a new tangent, one that solves for positions alone, or a right-hand
-side through the factors that are there. A round is for all lanes, and who did not ask for it stays as it was. Factors
-that somebody goes on with are not overwritten, and who is ready to go on with its own stays where they were made until
-nobody asks for new ones: made again there, they are the same to the last bit.
+side through the factors that are there, with which a step begins too. A round is for all lanes, and who did not ask for
+it stays as it was. Who is ready to go on with its own factors stays where they were made until nobody asks for new ones:
+made again there, they are the same to the last bit. From then on there are no new ones before the next step.
 """
 # pyright: basic, reportCallIssue=false
 
@@ -63,7 +63,7 @@ def _increments(code, s, g, kind):
 
 
 @inner
-def _weigh(s, w, lanes, lane, kind, result):
+def _weigh(s, w, lanes, lane, kind, gone, result):
     """What the increment of a lane means for it."""
     options = lanes.options[lane]
     moved, turned = sqrt(s.size[lane]), sqrt(s.size[LANES + lane])
@@ -72,11 +72,13 @@ def _weigh(s, w, lanes, lane, kind, result):
     result[TANGENTS] += 0 if kind == REUSE else 1
     if n <= SHOWN:
         result[MOVES + 2 * n - 2], result[MOVES + 2 * n - 1] = moved, turned
-    if not s.size[2 * LANES + lane] < 1e300:
+    if not s.size[2 * LANES + lane] < 1e300 or (gone and turned > LARGE_TURN):
         lanes.mode[lane] = FAILED
         return
     w.scale[lane] = 1.0 if turned <= options[4] else options[4] / turned
     lanes.mode[lane] = TANGENT
+    if n == 1:
+        lanes.kept[lane] = turned <= LARGE_TURN
     if kind == FROZEN or turned > LARGE_TURN:
         lanes.before[lane] = 0.0
         if kind != FROZEN and options[6] > 0.0:
@@ -84,8 +86,8 @@ def _weigh(s, w, lanes, lane, kind, result):
     else:
         size, small, settled, again = judged(moved, turned, options[3], lanes.before[lane], kind == REUSE, finest(s))
         lanes.before[lane] = size
-        lanes.again[lane], lanes.good[lane] = again, small and settled
-        if again or small:
+        lanes.good[lane] = small and settled
+        if gone or (kind != REUSE and (again or small)):
             lanes.mode[lane] = READY
     if lanes.mode[lane] != READY and n >= int(options[5]):
         lanes.mode[lane] = FAILED
@@ -112,7 +114,7 @@ def _settle(s, w, lanes, lane):
     elif not off < 1e300 or lanes.iteration[lane] >= int(lanes.options[lane, 5]):
         lanes.mode[lane] = FAILED
     else:
-        lanes.mode[lane] = REUSE if lanes.again[lane] else TANGENT
+        lanes.mode[lane] = REUSE
 
 
 @inner
@@ -122,16 +124,19 @@ def _iterate(code, s, g, w, lanes, results, k):
         lanes.iteration[lane] = 0
         lanes.before[lane] = 0.0
         if lanes.mode[lane] != FAILED:
-            lanes.mode[lane] = TANGENT
+            lanes.mode[lane] = REUSE if lanes.kept[lane] else TANGENT
     kind = _next(lanes)
+    if kind == REUSE:
+        balance(code, s, g)
+    gone = False  # to the last factors of the step
     while kind < DONE:
         _increments(code, s, g, kind)
         for lane in range(LANES):
             w.scale[lane] = 0.0
             if lanes.mode[lane] == kind and kind != READY:
-                _weigh(s, w, lanes, lane, kind, results[k, lane])
-        # they are few, and have turned by little: nothing of their increments is cut
-        go = kind == REUSE or (kind != FROZEN and _next(lanes) >= READY)
+                _weigh(s, w, lanes, lane, kind, gone, results[k, lane])
+        # nothing is cut of the increments of those who are ready: they have turned by little
+        go = gone = gone or (kind > FROZEN and _next(lanes) >= READY)
         for lane in range(LANES):
             if lanes.mode[lane] == READY:
                 w.scale[lane] = 1.0 if go else 0.0
