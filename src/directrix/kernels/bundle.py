@@ -3,8 +3,8 @@
 No lane learns of another: what one computes does not depend on who is beside it. Each goes through Newton's iteration
 as if it were alone, and asks for rounds: one with a new tangent, one that solves for positions alone, or a right-hand
 side through the factors that are there, with which a step begins too. A round is for all lanes, and who did not ask for
-it stays as it was. Who is ready to go on with its own factors stays where they were made until nobody asks for new ones:
-made again there, they are the same to the last bit. From then on there are no new ones before the next step.
+it stays as it was. Who is ready to go on with its own factors stays where they were made until nobody asks for new
+ones: made again there, they are the same to the last bit. From then on there are no new ones before the next step.
 """
 # pyright: basic, reportCallIssue=false
 

@@ -40,7 +40,7 @@ from directrix.kernels.strip_steps import (
 )
 from directrix.kernels.team import meet, strip_at
 
-__all__ = ["change", "imbalance", "run", "solve"]
+__all__ = ["change", "eliminate", "imbalance", "run", "solve"]
 
 
 @inner
@@ -163,7 +163,8 @@ def _ends(s, w, own):
 
 
 @inner
-def _eliminate(code, team, main, g, w, frozen, again):
+def eliminate(code, team, main, g, w, frozen, again):
+    """New tangents, or ``again`` residuals through the factors that are there: what couples the ends of the parts."""
     for k in range(team.own.shape[0]):
         s = strip_at(team.own, k, main)
         if again:
@@ -187,7 +188,7 @@ def _iterate(code, team, main, g, w, options, row):
         imbalance(code, team, main, g, w, options)
     for iteration in range(1, allowed + 1):
         tangents += 0 if again else 1
-        _eliminate(code, team, main, g, w, frozen, again)
+        eliminate(code, team, main, g, w, frozen, again)
         solved = solve(code, team, main, w, frozen, again)
         meet(team)
         moved, turned, finite = _measured(team, main)
