@@ -82,7 +82,8 @@ def simulate(
     record
         Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     threads
-        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
+        How many threads share the work on a frame of many junctions or a chain of 4096 elements and more; no bit of the
+        result depends on it.
     linear
         Who solves a frame: None is SciPy and LAPACK; "rslab" and "pardiso" are packages that are faster where there are
         many joints, "petsc" or ``dx.Petsc(…)`` is for frames that go beyond one machine. Chains need none of them.
