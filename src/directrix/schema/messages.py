@@ -151,7 +151,7 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
                 f"has {limits['actual_length']} entries, but needs {limits['min_length']}",
                 "add the missing ones",
             )
-        case "tuple_type" if isinstance(given, dict) and _tables_at(root, error["loc"]):
+        case "tuple_type" if isinstance(error["input"], dict) and _tables_at(root, error["loc"]):
             return (
                 "DX216",
                 "is one table, but there may be several",
