@@ -9,7 +9,7 @@ RUN := $(VENV)/bin/python
 INSTALL := $(RUN) -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long test-petsc coverage mutants lint types bench docs docs-full verification measured corpus
+.PHONY: help demo test test-long test-petsc test-pardiso coverage mutants lint types bench docs docs-full verification measured corpus
 
 help:
 	@echo "make demo       run the main example: audit, picture, animation, result file, in $(OUT)/"
@@ -18,6 +18,7 @@ help:
 	@echo "make coverage   the tests, and which lines and branches they reach"
 	@echo "make mutants    change the mechanics here and there and see whether tests notice (hours; COUNT=60 SEED=1 LOG=FILE)"
 	@echo "make test-petsc run the checks of PETSc on two processes (Debian's python3-petsc4py and openmpi-bin)"
+	@echo "make test-pardiso  run the checks of PARDISO (installs MKL, 1 GB)"
 	@echo "make lint       ruff: rules and format"
 	@echo "make types      pyright, strict"
 	@echo "make bench      print the speed of this machine"
@@ -51,6 +52,12 @@ test-petsc:
 		.venv-petsc/bin/pip install --quiet --disable-pip-version-check "numpy<2" pytest hypothesis --editable .; }
 	@PETSC_DIR=$(PETSC_DIR) OMP_NUM_THREADS=1 mpirun --allow-run-as-root --oversubscribe -n 2 \
 		.venv-petsc/bin/python -m pytest -p no:cacheprovider -m petsc tests/test_petsc.py
+
+# MKL is too large for everyone's environment
+test-pardiso:
+	@test -d .venv-pardiso || { $(PYTHON) -m venv .venv-pardiso && \
+		.venv-pardiso/bin/pip install --quiet --disable-pip-version-check pytest hypothesis --editable ".[rslab,pardiso]"; }
+	@.venv-pardiso/bin/python -m pytest -p no:cacheprovider tests/test_direct.py
 
 lint: $(VENV)/.dev
 	@$(RUN) -m ruff check

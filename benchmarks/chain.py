@@ -8,7 +8,8 @@ what the linear algebra of one iteration alone costs elsewhere, measured in turn
 machine.
 
 Below it are the phases of a step by themselves: ns per element each time they are run, best of many, and how often
-that is in a step; Python and meshing come on top. Then a rod of 10⁵ elements and its memory.
+that is in a step; Python and meshing come on top. Then a rod of 10⁵ elements and its memory, and two threads
+against one.
 
     make bench        or: python benchmarks/chain.py
 """
@@ -29,7 +30,6 @@ from directrix.discretisation import discretise
 from directrix.fast import fast_for
 from directrix.kernels import strip_steps
 from directrix.kernels import strips as kernel
-from directrix.kernels.strip_elimination import eliminate_strip, pass_again
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.stepping import Fixed
@@ -79,20 +79,45 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
     strips.set_loads(disc.external(0.0)[None])
     strips.run(results)
     iterations, tangents = (float(results[:, column].mean()) for column in (0, strip_steps.TANGENTS))
-    (main, rest), code, g, work = (part.strip for part in strips.parts), strips.code, strips.g, strips.work
+    main, team = strips.parts[0].strip, strips.team[0]
+    code, g, work = strips.code, strips.g, strips.works[0]
     work.scale[0] = 0.0  # increments are not added
+    each = [part.strip for part in strips.parts]
     calls: dict[str, tuple[Callable[[], object], float]] = {
-        "tangent and elimination": (lambda: eliminate_strip(code, main, g, False), tangents),
-        "ends and back substitution": (lambda: kernel.solve(code, main, rest, work, False, False), iterations),
-        "update": (lambda: strip_steps.move(code, main, work.scale), iterations),
+        "tangent and elimination": (lambda: kernel.eliminate(code, team, main, g, work, False, False), tangents),
+        "ends and back substitution": (lambda: kernel.solve(code, team, main, work, False, False), iterations),
+        "update": (lambda: kernel.change(code, team, main, work.scale), iterations),
         "forces alone": (
-            lambda: kernel.imbalance(code, main, rest, g, work, strips.options),
+            lambda: kernel.imbalance(code, team, main, g, work, strips.options),
             iterations - tangents + 1,
         ),
-        "right-hand side through old factors": (lambda: pass_again(code, main), iterations - tangents),
-        "books": (lambda: strip_steps.close(code, main, g, work), 1.0),
+        "right-hand side through old factors": (
+            lambda: kernel.eliminate(code, team, main, g, work, False, True),
+            iterations - tangents,
+        ),
+        "books": (lambda: [strip_steps.close(code, strip, g) for strip in each], 1.0),
     }
     return {name: (1e9 * least(call, 41, time.perf_counter) / n, times) for name, (call, times) in calls.items()}
+
+
+def two_threads(n: int = 10_000, steps: int = 10, rounds: int = 12) -> str:
+    """A line on two threads against one, by the clock, in turns; every core that the process may use is used."""
+    scheme = dx.EnergyMomentum().scheme(DT)
+    disc, both = discretise(flying_rod(n), scheme), list[Callable[[], object]]()
+    for threads in (1, 2):
+        newton, x = Newton(disc, scheme, Settings(threads=threads)), initial_state(disc, None, scheme)
+        fast = fast_for(newton, Fixed(DT, 0.0, 10_000), 10_000)
+        assert fast is not None
+        fast.strips.pack(x)
+        fast.strips.set_loads(disc.external(0.0)[None])
+        both.append(lambda strips=fast.strips: strips.run(np.zeros((steps, strip_steps.RESULTS))))
+    times = np.array([[least(run, 1, time.perf_counter) for run in both] for _ in range(rounds)])[1:]
+    ratios = np.sort(times[:, 0] / times[:, 1])
+    best = times.min(axis=0)
+    return (
+        f"{n} elements, steps alone: two threads are {best[0] / best[1]:.2f} times as fast as one by the best of "
+        f"{rounds - 1}, {np.median(ratios):.2f} by the median ({ratios[0]:.2f} … {ratios[-1]:.2f})"
+    )
 
 
 def long_rod(n: int = 100_000, steps: int = 20) -> str:
@@ -112,8 +137,9 @@ def long_rod(n: int = 100_000, steps: int = 20) -> str:
 
 def main() -> None:
     """Print the tables; exit 1 when a run does not conserve."""
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    cores = os.sched_getaffinity(0) if hasattr(os, "sched_setaffinity") else set[int]()
+    if cores:
+        os.sched_setaffinity(0, {max(cores)})
     heads = (
         ("elements", "order", "iterations", "ns per element", "target", "element-steps", "of LAPACK"),
         ("", "", "a step", "and iteration", "", "a second", "best (median)"),
@@ -135,6 +161,9 @@ def main() -> None:
             print(f"  {name:<36}{each:>6.0f}  {times:.2f}")
         print(f"  {'together':<36}{sum(each * times for each, times in parts.values()):>6.0f}  a step")
     print(f"\n{long_rod()}")
+    if len(cores) > 1:
+        os.sched_setaffinity(0, cores)
+        print(f"\n{two_threads()}")
     if not good:
         raise SystemExit("a run failed, or its audit")
 

@@ -7,11 +7,13 @@ import sys
 
 import numpy as np
 import pytest
+from test_direct import hinged
 
 import directrix as dx
 from directrix.discretisation import discretise
 from directrix.kernels import step
 from directrix.linear import petsc
+from directrix.linear.backed import Backed
 from directrix.linear.conformance import check_linear
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
@@ -78,3 +80,19 @@ def test_a_motion_is_that_of_the_usual_solver(how: dx.Petsc) -> None:
     usual, other = (dx.simulate(model, t_end=0.06, dt=0.02, linear=linear) for linear in (None, how))
     assert other.success and other.audit.passed
     assert np.abs(usual.r - other.r).max() <= 1e-10
+
+
+@pytest.mark.petsc
+def test_multipliers_inside_struts_are_for_mumps_not_for_the_multigrid() -> None:
+    scheme = dx.EnergyMomentum().scheme(0.01)
+    disc = discretise(hinged(), scheme)
+    for how in (dx.Petsc(), dx.Petsc("gamg")):
+        newton, x = Newton(disc, scheme, Settings(linear=how)), initial_state(disc, None, scheme)
+        step.assemble(newton.tables, newton.work, x, newton.globals, disc.external(0.0), newton.mask, False)
+        plain = newton.sparse.plain
+        assert isinstance(plain, Backed)
+        assert (plain.first.solve(newton.work.blocks, newton.work.rhs) is None) == (how.method == "gamg")
+        expected = plain.last.solve(newton.work.blocks, newton.work.rhs)
+        x = newton.sparse.solve(newton.work.blocks, newton.work.rhs)
+        assert x is not None and expected is not None
+        assert np.abs(x - expected).max() <= 1e-8 * np.abs(expected).max()

@@ -12,7 +12,8 @@ from directrix import dynamics, strips
 from directrix.discretisation import discretise
 from directrix.kernels.compile import LANES
 from directrix.kernels.rows import ROW
-from directrix.kernels.strip_steps import RESULTS
+from directrix.kernels.strip_steps import RESULTS, TANGENTS
+from directrix.kernels.team import Team
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.strips import strips_for
@@ -105,6 +106,56 @@ def test_it_computes_what_the_general_way_computes(name: str, monkeypatch: pytes
     assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
 
 
+SHARED = {
+    "flight": flight(75),
+    "a load that changes": rod(elements=70).clamp("A").force("B", lambda t: (0.0, 0.0, 5.0 * np.sin(9 * t))),
+    "quadratic": rod(elements=70, order=2, nodes={"P": 0.3}).pin("P").gravity((0, -2, -9.81)),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_threads_share_a_long_chain_and_change_no_bit(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strips, "SHARED", 9)
+    options = {"t_end": 0.3, "dt": 0.01, "save_every": 2}
+    one, general = both(SHARED[name], monkeypatch, **options)
+    assert one.success and one.audit.passed and np.all(one.trail.rows[:, 4] == -1.0)
+    assert np.abs(one.r - general.r).max() <= 2e-9 and np.abs(one.energy.work - general.energy.work).max() <= 1e-11
+    assert np.abs(one.reaction - general.reaction).max() <= 2e-9 * max(1.0, np.abs(general.reaction).max())
+    for threads in (2, 3, 9):
+        many = dx.simulate(SHARED[name], **options, threads=threads)
+        for quantity in ("t", "r", "R", "v", "strain", "reaction", "iterations"):
+            assert np.array_equal(getattr(many, quantity), getattr(one, quantity)), (threads, quantity)
+        assert many.audit == one.audit and np.array_equal(many.energy.total, one.energy.total)
+
+
+def test_a_step_that_fails_fails_for_all_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strips, "SHARED", 9)
+    hit = rod(elements=75).moment("B", lambda t: (0.0, 1e7 if t > 0.045 else 0.0, 0.0))
+    one, two = (dx.simulate(hit, t_end=0.1, dt=0.01, threads=threads) for threads in (1, 2))
+    assert not two.success and one.status == two.status and np.array_equal(one.r, two.r)
+
+
+def test_a_thread_that_waits_in_vain_touches_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An interrupt may come between the start of the other threads and that of the first."""
+    monkeypatch.setattr(strips, "SHARED", 9)
+    chain, results = strips_of(flight(75), 0.01, threads=2), np.zeros((3, RESULTS))
+    chain.run(results[:1])
+    before = [part.strip.x.copy() for part in chain.parts]
+    take = strips.Strips._take
+
+    def stopped(self: strips.Strips, team: Team, *about: Any) -> None:
+        if team is self.team[0]:
+            raise KeyboardInterrupt
+        take(self, team, *about)
+
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(strips.Strips, "_take", stopped)
+        chain.run(results)
+    assert all(np.array_equal(part.strip.x, x) for part, x in zip(chain.parts, before, strict=True))
+    chain.run(results)
+    assert np.all(results[:, 0] > 0.0)
+
+
 def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """In steps so short that a wave crosses part of an element, a node feels nothing of one some elements away."""
     model, dt = flight(160), 2e-5
@@ -112,16 +163,38 @@ def test_couplings_that_have_faded_out_are_left_out(monkeypatch: pytest.MonkeyPa
     assert fast.success and fast.audit.passed
     assert np.abs(fast.r - slow.r).max() <= 1e-12 and np.abs(fast.v - slow.v).max() <= 2e-9 * np.abs(slow.v).max()
     assert fast.iterations.mean() <= slow.iterations.mean() + 2.5
-    scheme = dx.EnergyMomentum().scheme(dt)
-    disc = discretise(model, scheme)
-    newton = Newton(disc, scheme, Settings())
-    chain = strips_for(disc, scheme, False, newton.options)
-    assert chain is not None
-    chain.pack(initial_state(disc, None, scheme))
+    chain = strips_of(model, dt)
     chain.run(np.zeros((1, RESULTS)))
     row = chain.parts[0].strip.row.reshape(-1, ROW, LANES)
     first, last = (np.abs(row[k, 144:180]).max() for k in (4, 39))  # D⁻¹F
     assert first > 0.0 and last == 0.0 and np.abs(row[39, :36]).max() > 0.0
+
+
+def strips_of(model: dx.Model, dt: float, threads: int = 1) -> strips.Strips:
+    """With the first state of the model in them."""
+    scheme = dx.EnergyMomentum().scheme(dt)
+    disc = discretise(model, scheme)
+    chain = strips_for(disc, scheme, False, Newton(disc, scheme, Settings()).options, threads=threads)
+    assert chain is not None
+    chain.pack(initial_state(disc, None, scheme))
+    return chain
+
+
+def test_a_step_begins_with_the_factors_of_the_last_one() -> None:
+    chain, results = strips_of(flight(40), 0.005), np.zeros((20, RESULTS))
+    chain.run(results)
+    assert results[0, TANGENTS] >= 2 and np.all(results[1:, TANGENTS] == 1)
+    after, state = results[-1].copy(), np.zeros((41, 40))
+    assert chain.keeps
+    chain.unpack(state)
+    chain.pack(state)
+    assert not chain.keeps  # another state: its first step has tangents of its own
+    chain.run(results[:2])
+    assert results[0, TANGENTS] >= 2 and results[1, TANGENTS] == 1
+    assert np.abs(results[0, 8:10] - after[8:10]).max() < 0.1 * after[8:10].sum()
+    wheel = strips_of(rod(elements=40).rigid_velocity((0, 0, 0), (0, 0, 60), about=(0, 0, 0)), 0.005)
+    wheel.run(results)
+    assert np.all(results[:, TANGENTS] >= 2) and not wheel.keeps  # a step turns it by 0.3 rad
 
 
 def test_energy_and_momenta_hold_over_a_long_flight() -> None:

@@ -63,7 +63,7 @@ class Lanes(Record):
     mode: Ints
     iteration: Ints
     before: Array
-    again: NDArray[np.uint8]
+    kept: NDArray[np.uint8]
     good: NDArray[np.uint8]
     options: Array
 
@@ -82,7 +82,7 @@ class Bundle:
         p = [parameters_of(fit.motion.disc.groups[0], fit.order, fit.aligned) for fit in self.fits]
         held = np.stack([fit.motion.disc.fixed[fit.chain] for fit in self.fits], -1)
         own = np.ones((len(self.nodes), LANES))
-        self.strip = strip_of(group.layout.nn - 1, LANES, np.stack(p, -1), held, own, whole=True)
+        self.strip = strip_of(group.layout.nn - 1, self.nodes, np.stack(p, -1), held, own, whole=True)
         self.work = work_for(np.zeros((0, 6), np.uint8), 2 * LANES)
         options = [fit.motion.newton.options for fit in self.fits]
         self.lanes = Lanes(
@@ -93,13 +93,12 @@ class Bundle:
         self.many = steps_at_once(LANES * len(order))
         steady, every = all(fit.motion.steady for fit in fits), first.save_every
         count = 1 if steady else self.many
-        sizes = ((self.strip.load.size,), (0,), (0, 6), (2 * LANES,))
+        sizes = ((self.strip.load.size,), (0, 6), (2 * LANES,))
         self.loads = Loads(*(np.zeros((count, *size)) for size in sizes))
         saved = -(-self.many // every)
         self.shots = Shots(
             every, np.zeros((saved, LANES * n, PER_NODE)), np.zeros((saved, LANES * n, 6)), self.frames,
-            np.concatenate([fit.motion.disc.fixed for fit in self.fits]).astype(np.uint8), self.nodes,
-            self.nodes[:0].copy(),
+            np.concatenate([fit.motion.disc.fixed for fit in self.fits]).astype(np.uint8),
         )  # fmt: skip
         pack(self.strip.x, self.nodes, self.frames, np.concatenate([fit.motion.x for fit in self.fits]))
         for lane, fit in enumerate(self.fits):
@@ -108,8 +107,8 @@ class Bundle:
     def load(self, lane: int, external: Array) -> None:
         """The loads (k, n, 12) of a lane in the next steps, or (1, n, 12) in all."""
         dead = external[:, self.fits[lane].chain, :6]
-        many = len(dead) if len(dead) > 1 else len(self.loads.main)
-        self.loads.main[:many].reshape(many, -1, 6, LANES)[..., lane] = dead
+        many = len(dead) if len(dead) > 1 else len(self.loads.strips)
+        self.loads.strips[:many].reshape(many, -1, 6, LANES)[..., lane] = dead
         self.loads.largest[:many].reshape(many, 2, LANES)[..., lane] = largest_of(dead)
 
     def run(self, results: Array, before: int) -> None:

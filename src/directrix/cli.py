@@ -50,7 +50,10 @@ ResultFile = Annotated[
 
 
 Threads = Annotated[
-    int, typer.Option(min=1, help="Threads that share the work on a frame; no bit of the result depends on it.")
+    int,
+    typer.Option(
+        min=1, help="Threads that share the work on a frame or a long chain; no bit of the result depends on it."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what went wrong.")]
 

@@ -14,7 +14,7 @@ from directrix.failures import explained
 from directrix.fast import fast_for
 from directrix.integrators import Formulation, Integrator
 from directrix.keeping import Folder, Keeper, RunFolder
-from directrix.linear.petsc import Petsc
+from directrix.linear.choice import Linear
 from directrix.model import Model
 from directrix.motion import Asked, Motion
 from directrix.newton import Outcome
@@ -45,7 +45,7 @@ def simulate(
     tolerance: float = 1e-9,
     record: Sequence[points.Recorder] = (),
     threads: int = 1,
-    linear: Petsc | str | None = None,
+    linear: Linear | None = None,
     progress: Progress | Literal[True] | None = None,
     raise_on_failure: bool = False,
 ) -> Result:
@@ -82,9 +82,11 @@ def simulate(
     record
         Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     threads
-        How many threads share the work on a frame of many junctions; no bit of the result depends on it.
+        How many threads share the work on a frame of many junctions or a chain of 4096 elements and more; no bit of the
+        result depends on it.
     linear
-        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
+        Who solves a frame: None is SciPy and LAPACK; "rslab" and "pardiso" are packages that are faster where there are
+        many joints, "petsc" or ``dx.Petsc(…)`` is for frames that go beyond one machine. Chains need none of them.
     progress
         Called after each step with the fraction done and a line of text. What it raises ends the run, which is kept.
         True shows a line, in a notebook a bar. A chain takes its steps many times faster when nobody asks for each.

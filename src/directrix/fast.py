@@ -19,14 +19,17 @@ Array = NDArray[np.float64]
 
 __all__ = ["Fast", "fast_for"]
 
-CARRIED = ("x", "res", "turn")
-"""What a strip keeps from step to step."""
+CARRIED, FACTORS = ("x", "res", "turn"), ("row", "within", "far")
+"""What a strip keeps from step to step; and if factors are kept."""
+JOINED = ("kept", "blocks")
+"""The same of the nodes where parts meet."""
 
 
 def fast_for(newton: Newton, pace: Fixed, every: int) -> Fast | None:
     """The fast way for what ``newton`` solves in steps of ``pace``, every ``every``-th of which is saved, or None; see
     :func:`directrix.strips.strips_for`."""
-    strips = strips_for(newton.disc, newton.scheme, newton.tables.damping.size > 0, newton.options, every)
+    damped, threads = newton.tables.damping.size > 0, newton.settings.threads
+    strips = strips_for(newton.disc, newton.scheme, damped, newton.options, every, threads)
     return None if strips is None else Fast(newton, strips, pace)
 
 
@@ -76,8 +79,12 @@ class Fast:
 
     def remember(self) -> dict[str, Any]:
         """What is in the lanes, digit by digit: a state that leaves them is rounded."""
-        lanes = [remember(part.strip, *CARRIED) for part in self.strips.parts]
-        return {"inside": self.inside, "booked": remember(self.accounts, "energy", "loss"), "lanes": lanes}
+        kept = self.strips.keeps
+        names = (*CARRIED, *FACTORS) if kept else CARRIED
+        lanes = [remember(part.strip, *names) for part in self.strips.parts]
+        joints = remember(self.strips.works[0], *JOINED) if kept else {}
+        booked = remember(self.accounts, "energy", "loss")
+        return {"inside": self.inside, "booked": booked, "lanes": lanes, "joints": joints}
 
     def recall(self, memory: dict[str, Any]) -> None:
         """Go on from what :meth:`remember` gave."""
@@ -85,6 +92,8 @@ class Fast:
         recall(self.accounts, memory["booked"])
         for part, lanes in zip(self.strips.parts, memory["lanes"], strict=True):
             recall(part.strip, lanes)
+        for work in self.strips.works:
+            recall(work, memory["joints"])
 
     def give(self, x: Array) -> None:
         """Write the state into ``x`` and leave the lanes."""

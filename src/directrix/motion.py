@@ -20,7 +20,7 @@ from directrix.formulations import refuse_strategies
 from directrix.integrators import EnergyMomentum, Formulation, Integrator
 from directrix.joint_checks import refuse_joints
 from directrix.keeping import fingerprint
-from directrix.linear.petsc import Petsc
+from directrix.linear.choice import Linear, chosen, said_of
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.parts import Keep, Parts
@@ -51,7 +51,7 @@ class Asked:
     tolerance: float = 1e-9
     record: Sequence[points.Recorder] = ()
     threads: int = 1
-    linear: Petsc | str | None = None
+    linear: Linear | None = None
     progress: Progress | Literal[True] | None = None
 
 
@@ -76,7 +76,7 @@ class Motion:
         self.disc = disc = discretise(model, scheme)
         settings = Settings(asked.tolerance, PATIENCE, retry=False) if self.pace.adaptive else Settings(asked.tolerance)
         self.x = x = initial_state(disc, start, scheme)
-        settings = replace(settings, threads=asked.threads, linear=Petsc.of(asked.linear))
+        settings = replace(settings, threads=asked.threads, linear=chosen(asked.linear))
         self.newton = newton = Newton(disc, scheme, settings)
         newton.driver.place(t0, 1.0)
         newton.driver.shift()
@@ -135,7 +135,7 @@ class Motion:
         said = {
             "t0": self.t0, "dt": asked.dt, "t_end": asked.t_end if self.pace.adaptive else None,
             "integrator": self.integrator, "load_rule": asked.load_rule, "tolerance": asked.tolerance,
-            "save_every": self.save_every, "keep": asked.keep, "x": self.x,
+            "save_every": self.save_every, "keep": asked.keep, "x": self.x, **said_of(asked.linear),
         }  # fmt: skip
         return fingerprint(self.disc, self.scheme, said, (self.t0, self.beat.to))
 

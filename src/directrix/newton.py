@@ -21,6 +21,7 @@ from directrix.kernels.judged import BEND, FIRST, GONE
 from directrix.kernels.tables import damping_for, tables_for, work_for
 from directrix.kernels.trace import cross
 from directrix.linear.condensed import Condensed, usual
+from directrix.linear.direct import Packaged
 from directrix.linear.petsc import Petsc
 from directrix.result import Status
 from directrix.scheme import Rates, Scheme
@@ -50,8 +51,8 @@ class Settings:
     ``tolerance``: unbalanced force (moment) over the largest element force (moment), never below round-off;
     increments must also fall below 1e-9 of the model's size and 1e-9 rad. ``largest_turn`` [rad]: an
     iteration that would turn a node further is shortened. ``rotation`` "exponential" or "cayley". ``retry``: a step
-    that is not solved is tried again with other damping. ``threads`` that share the solution of a frame, unless
-    ``linear`` solves it. ``reuse``: its factors are kept while they bring an iteration to its end.
+    that is not solved is tried again with other damping. ``threads`` that share the solution of a frame;
+    ``linear`` solves it, unless it is None. ``reuse``: its factors are kept while they bring an iteration to its end.
     """
 
     tolerance: float = 1e-9
@@ -60,7 +61,7 @@ class Settings:
     rotation: str = "exponential"
     retry: bool = True
     threads: int = 1
-    linear: Petsc | None = None
+    linear: Petsc | Packaged | None = None
     reuse: bool = True
 
     def __post_init__(self) -> None:
@@ -161,7 +162,8 @@ class Newton:
         """The general solver; a chain needs it only when its own meets a vanishing pivot."""
         if self._sparse is None:
             pattern, linear = self.disc.pattern, self.settings.linear
-            make = usual(self.settings.threads) if linear is None else linear.maker(self._points())
+            threads = self.settings.threads
+            make = usual(threads) if linear is None else linear.maker(self._points(), threads)
             self._sparse = Condensed(pattern.rowptr, pattern.column, make)
         return self._sparse
 

@@ -28,7 +28,7 @@ from directrix.hessian import not_conservative
 from directrix.integrators import Formulation
 from directrix.joint_checks import refuse_joints
 from directrix.keeping import Folder, Keeper, RunFolder, fingerprint, recall, remember
-from directrix.linear.petsc import Petsc
+from directrix.linear.choice import Linear, chosen, said_of
 from directrix.model import Model
 from directrix.newton import Newton, Settings
 from directrix.parts import Keep, Parts
@@ -62,7 +62,7 @@ def solve_static(
     folder: Folder | RunFolder | str | os.PathLike[str] | None = None,
     tolerance: float = 1e-9,
     threads: int = 1,
-    linear: Petsc | str | None = None,
+    linear: Linear | None = None,
     rotation: str = "exponential",
     stability: bool | None = None,
     record: Sequence[points.Recorder] = (),
@@ -110,7 +110,8 @@ def solve_static(
     record
         Points of rods whose history goes to files while the run goes on: ``dx.Recorder(rod, s=…)``.
     linear
-        "petsc", or ``dx.Petsc(…)``, for frames that go beyond one machine; None is SciPy and LAPACK.
+        Who solves a frame: None is SciPy and LAPACK; "rslab" and "pardiso" are packages that are faster where there are
+        many joints, "petsc" or ``dx.Petsc(…)`` is for frames that go beyond one machine. Chains need none of them.
     progress
         Called after each part with the fraction done and a line of text. What it raises ends the run, which is kept.
         True shows a line, in a notebook a bar.
@@ -143,7 +144,7 @@ def solve_static(
     scheme = static_scheme(model, formulation)
     disc = discretise(model, scheme)
     x = initial_state(disc, start, scheme)
-    settings = Settings(tolerance, rotation=rotation, threads=threads, linear=Petsc.of(linear))
+    settings = Settings(tolerance, rotation=rotation, threads=threads, linear=chosen(linear))
     if control is not None:
         settings = replace(settings, iterations=PATIENCE)
     newton = Newton(disc, scheme, settings)
@@ -154,6 +155,7 @@ def solve_static(
     asked = {
         "steps": steps, "control": control, "formulation": formulation, "tolerance": tolerance, "rotation": rotation,
         "save_every": save_every, "keep": keep, "stability": watch is not None, "x": x,
+        **said_of(linear),
     }  # fmt: skip
     print_ = "" if folder is None else fingerprint(disc, scheme, asked, (0.0, 1.0))
     run: _LoadSteps | Walk

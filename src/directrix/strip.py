@@ -27,12 +27,15 @@ MOST, ELEMENTS = 64, 50_000
 
 class Strip(Record):
     """Parts of a chain, or ``whole`` chains, side by side: ``elements`` long, ``lanes`` of them real, ``stride`` nodes
-    an element. See :mod:`directrix.kernels.strips`."""
+    an element; ``first`` is the joint where they begin, ``loaded`` where their loads do. See
+    :mod:`directrix.kernels.strips`."""
 
     elements: int
     lanes: int
     stride: int
     whole: int
+    first: int
+    loaded: int
     results: int
     parameters: int
     x: Array
@@ -56,10 +59,17 @@ class Strip(Record):
     du: Array
     start: Array
     turn: Array
+    nodes: Ints
+    ends: Array
+    size: Array
+    most: Array
+    sums: Array
+    books: Array
+    loss: Array
 
 
 class Work(Record):
-    """The nodes where parts meet, if they do, and what all parts share."""
+    """The nodes where parts meet, if they do. ``kept`` (1,): the next step begins with the factors that there are."""
 
     eliminate: int
     blocks: Array
@@ -69,36 +79,28 @@ class Work(Record):
     fixed: NDArray[np.uint8]
     load: Array
     res: Array
-    size: Array
-    most: Array
     largest: Array
     scale: Array
-    sums: Array
-    books: Array
-    loss: Array
+    kept: NDArray[np.uint8]
 
 
 class Loads(Record):
-    """What acts in the steps to come, one of them or one for all: on the strips as their ``load``, on the nodes where
-    parts meet (k, …, 6), and the largest force and moment (k, 2)."""
+    """What acts in the steps to come, one of them or one for all: on the ``strips`` as their ``load``, one behind the
+    other; on the nodes where parts meet (k, …, 6), and the largest force and moment (k, 2)."""
 
-    main: Array
-    rest: Array
+    strips: Array
     joints: Array
     largest: Array
 
 
 class Shots(Record):
-    """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``main`` and ``rest`` are the nodes of
-    the strips, ``frames`` and ``fixed`` those of all nodes."""
+    """States (k, ≥ n, 40) and reactions (k, n, 6) of every ``every``-th step; ``frames`` and ``fixed`` of all nodes."""
 
     every: int
     x: Array
     reaction: Array
     frames: Array
     fixed: NDArray[np.uint8]
-    main: Ints
-    rest: Ints
 
 
 def steps_at_once(elements: int) -> int:
@@ -111,30 +113,43 @@ def largest_of(dead: Array) -> Array:
     return np.abs(dead).reshape(*dead.shape[:2], 2, 3).max(axis=(1, 3))
 
 
-def strip_of(stride: int, lanes: int, p: Array, held: NDArray[np.bool_], own: Array, *, whole: bool) -> Strip:
-    """A strip with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and the nodes that are booked."""
+def strip_of(
+    stride: int,
+    nodes: Ints,
+    p: Array,
+    held: NDArray[np.bool_],
+    own: Array,
+    *,
+    whole: bool,
+    first: int = 0,
+    loaded: int = 0,
+) -> Strip:
+    """A strip of ``nodes`` (…, real lanes), with parameters (elements, …, LANES), what is held (nodes, 6, LANES), and
+    the nodes that are booked (nodes, LANES)."""
     many, size = int(p.shape[0]), int(p.shape[1])
     free: Array = np.where(held, 0.0, 1.0)
     still = free.copy()
     still[:, 3:] = 0.0
     first_free = free[:stride].copy()
     first_free[0] = 0.0
-    nodes = len(free)
+    count = len(free)
 
-    def lane(values: int, count: int = 1) -> Array:
-        return _room(count * values * LANES)
+    def lane(values: int, many: int = 1) -> Array:
+        return _room(many * values * LANES)
 
     nn = stride + 1
     results = 6 * nn + 36 * nn * nn
     out = lane(results, min(many, BATCH))
     return Strip(
-        many, lanes, stride, int(whole), results, size,
-        x=lane(rows.NODE, nodes), p=_aligned(p), load=lane(6, nodes), first_load=lane(6, stride), free=_aligned(free),
+        many, nodes.shape[1], stride, int(whole), first, loaded, results, size,
+        x=lane(rows.NODE, count), p=_aligned(p), load=lane(6, count), first_load=lane(6, stride), free=_aligned(free),
         first_free=first_free.ravel(), still=_aligned(still),
         held=(free[::stride] == 0.0).any(axis=(1, 2)).astype(np.uint8), far=np.full(many + 1, whole, np.uint8),
         own=own.ravel(), row=lane(rows.ROW, many + 1), within=lane(rows.ROW, many * (stride - 1)), out=out,
-        small=lane(156) if stride > 1 else out, carry=lane(rows.CARRY), none=lane(156), res=lane(6, nodes), f=lane(6),
-        du=lane(6, nodes), start=lane(3, 0 if whole else nodes), turn=np.full(many * LANES, -3.0),
+        small=lane(156) if stride > 1 else out, carry=lane(rows.CARRY), none=lane(156), res=lane(6, count), f=lane(6),
+        du=lane(6, count), start=lane(3, 0 if whole else count), turn=np.full(many * LANES, -3.0),
+        nodes=np.ascontiguousarray(nodes), ends=lane(12), size=lane(3), most=lane(5), sums=lane(8), books=lane(8),
+        loss=lane(1),
     )  # fmt: skip
 
 
@@ -152,12 +167,11 @@ def _aligned(values: Array) -> Array:
 
 
 def work_for(fixed: NDArray[np.uint8], largest: int) -> Work:
-    """What is shared, for the nodes where parts meet, held where ``fixed`` (n, 6); ``largest`` numbers of loads."""
+    """For the nodes where parts meet, held where ``fixed`` (n, 6); ``largest`` numbers of loads."""
     n = len(fixed)
     return Work(
         elimination_address(), np.zeros((3 * n + 1, 6, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n + 1, 56)),
-        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3 * LANES), np.zeros(5 * LANES), np.zeros(largest),
-        np.zeros(LANES), np.zeros(8 * LANES), np.zeros(8 * LANES), np.zeros(LANES),
+        fixed, np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(largest), np.zeros(LANES), np.zeros(1, np.uint8),
     )  # fmt: skip
 
 

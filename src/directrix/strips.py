@@ -7,6 +7,7 @@ Everything else, and every step that does not converge here, takes the general w
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +21,9 @@ from directrix.kernels import rows
 from directrix.kernels import strips as kernel
 from directrix.kernels.compile import LANES
 from directrix.kernels.strip_steps import pack, unpack
+from directrix.kernels.team import STOP, Team, team_of
 from directrix.scheme import Rates, Scheme
-from directrix.strip import Loads, Shots, Strip, code_of, largest_of, steps_at_once, strip_of, work_for
+from directrix.strip import Loads, Shots, Strip, Work, code_of, largest_of, steps_at_once, strip_of, work_for
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,6 +32,9 @@ __all__ = ["Strips", "chain_of", "frames_of", "nodes_of", "parameters_of", "stri
 
 FEWEST = 8
 """Elements from which on lanes are used."""
+SHARED, MOST = 2048, 8
+"""Elements a strip has at least where there are several, an even number of at most so many; which of them a node is
+in decides about its last digits, so it does not depend on the threads."""
 ALIGNED = 1e-14  # directors of neighbouring elements that differ by less are one frame
 
 
@@ -62,13 +67,15 @@ def chain_of(disc: Discretisation, scheme: Scheme, damped: bool) -> Ints | None:
     return np.argsort(-ends[:, 0]) if np.all(steps == -1) else None
 
 
-def strips_for(disc: Discretisation, scheme: Scheme, damped: bool, options: Array, every: int = 1) -> Strips | None:
+def strips_for(
+    disc: Discretisation, scheme: Scheme, damped: bool, options: Array, every: int = 1, threads: int = 1
+) -> Strips | None:
     """The fast way for a model whose chain (:func:`chain_of`) has FEWEST elements at least, or None. Every
     ``every``-th state is kept."""
     order = chain_of(disc, scheme, damped)
     if order is None or len(order) < max(FEWEST, 2 * LANES):
         return None
-    return Strips(disc, scheme, order, options, every)
+    return Strips(disc, scheme, order, options, every, threads)
 
 
 def nodes_of(group: Group, order: Ints) -> Ints:
@@ -95,49 +102,57 @@ def frames_of(group: Group, nodes: int) -> tuple[Array, bool]:
 
 
 class Strips:
-    """A chain in lanes: its state is packed, taken through steps and unpacked."""
+    """A chain in lanes: its state is packed, taken through steps and unpacked, by so many ``threads``."""
 
-    def __init__(self, disc: Discretisation, scheme: Scheme, order: Ints, options: Array, every: int) -> None:
+    def __init__(
+        self, disc: Discretisation, scheme: Scheme, order: Ints, options: Array, every: int, threads: int
+    ) -> None:
         group = disc.groups[0]
         self.frames, aligned = frames_of(group, disc.nodes)
         self.code = code_of(group, aligned, whole=False)
-        chain, stride = nodes_of(group, order), group.layout.nn - 1
-        length = len(order) // LANES
-        left = len(order) - length * LANES
-        first = length * np.arange(LANES)
-        more = length * LANES + np.minimum(np.arange(LANES), max(left - 1, 0)) - (0 if left else 1)
         p = parameters_of(group, order, aligned)
         self.fixed = disc.fixed
-        self.parts = [
-            _part(chain, order, group, p, begin, many, lanes, disc.fixed)
-            for begin, many, lanes in ((first, length, LANES), (more, 1, left))
-        ]
-        self.joints = chain[::stride][np.append(first, np.arange(length * LANES, len(order) + 1))]
-        self.work = work_for(disc.fixed[self.joints].astype(np.uint8), 2)
+        self.parts: list[Part] = []
+        chain, cut = nodes_of(group, order), _cut(len(order))
+        for begin, many in cut:
+            self.parts.append(_part(group, chain, order, p, begin, many, disc.fixed, self.parts))
+        self.joints = chain[:: group.layout.nn - 1][np.concatenate([*(begin for begin, _ in cut), [len(order)]])]
+        strips = [part.strip for part in self.parts]
+        self.team = team_of(strips, min(threads, len(strips)))
+        self.works = [work_for(disc.fixed[self.joints].astype(np.uint8), 2) for _ in self.team]
+        self.helpers: ThreadPoolExecutor | None = None
         self.g = np.array(scheme.common)
         self.options = np.array([*options[:6], options[7]])
         self.many = steps_at_once(len(order))
         rows = self.many if any(load.varies for load in disc.loads) else 1
-        sizes = [(part.strip.load.size,) for part in self.parts]
-        self.loads = Loads(*(np.zeros((rows, *size)) for size in (*sizes, (len(self.joints), 6), (2,))))
+        sizes = ((sum(strip.load.size for strip in strips),), (len(self.joints), 6), (2,))
+        self.loads = Loads(*(np.zeros((rows, *size)) for size in sizes))
         room = -(-self.many // every)
         self.shots = Shots(
             every, np.zeros((room, disc.rows, PER_NODE)), np.zeros((room, disc.nodes, 6)), self.frames,
-            disc.fixed.astype(np.uint8), *(part.nodes[:, : part.strip.lanes].copy() for part in self.parts),
+            disc.fixed.astype(np.uint8),
         )  # fmt: skip
 
     def set_loads(self, external: Array) -> None:
         """The loads (k, n, 12) of the next steps; where they are steady, of all (1, n, 12)."""
         dead = external[..., :6]
-        for part, out in zip(self.parts, (self.loads.main, self.loads.rest), strict=True):
-            out[: len(dead)] = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
+        for part in self.parts:
+            own = dead[:, part.nodes].transpose(0, 1, 3, 2).reshape(len(dead), -1)
+            self.loads.strips[: len(dead), part.strip.loaded : part.strip.loaded + part.strip.load.size] = own
         self.loads.joints[: len(dead)] = dead[:, self.joints]
         self.loads.largest[: len(dead)] = largest_of(dead)
 
     def pack(self, x: Array) -> None:
         """Take over a state (≥ n, 40)."""
+        for work in self.works:
+            work.kept[0] = 0
         for part in self.parts:
             pack(part.strip.x, part.nodes, self.frames, x)
+
+    @property
+    def keeps(self) -> bool:
+        """Whether the next step begins with factors of the last one."""
+        return bool(self.works[0].kept[0])
 
     @property
     def every(self) -> int:
@@ -151,7 +166,7 @@ class Strips:
     def unpack(self, x: Array) -> None:
         """Write the state into ``x`` (≥ n, 40)."""
         for part in reversed(self.parts):
-            unpack(part.strip.x, part.nodes[:, : part.strip.lanes], self.frames, x)
+            unpack(part.strip.x, part.strip.nodes, self.frames, x)
 
     def shift(self, by: Array) -> None:
         """Move all positions by −``by`` (3,)."""
@@ -161,15 +176,32 @@ class Strips:
     def run(self, results: Array, before: int = 0) -> None:
         """Take a step for every row of ``results``, or as many as converge, ``before`` having been taken; see
         :func:`kernels.strips.run`."""
-        main, rest = (part.strip for part in self.parts)
-        kernel.run(self.code, main, rest, self.g, self.work, self.options, results, self.loads, self.shots, before)
+        gate, waiting = self.team[0].gate, list[Future[None]]()
+        if len(self.team) > 1 and self.helpers is None:
+            self.helpers = ThreadPoolExecutor(len(self.team) - 1)
+            self._take(team_of([self.parts[0].strip], 1)[0], self.works[0], results[:0], before)  # compiles
+        gate[0] = gate[STOP] = 0
+        try:
+            for team, work in zip(self.team[1:], self.works[1:], strict=True):
+                assert self.helpers is not None
+                waiting.append(self.helpers.submit(self._take, team, work, np.zeros_like(results), before))
+            self._take(self.team[0], self.works[0], results, before)
+        finally:
+            gate[STOP] = 1  # who came in vain need not wait
+            for helper in waiting:
+                helper.result()
+
+    def _take(self, team: Team, work: Work, results: Array, before: int) -> None:
+        team.met[0] = 0
+        main = self.parts[0].strip
+        kernel.run(self.code, team, main, self.g, work, self.options, results, self.loads, self.shots, before)
 
     def reaction(self, out: Array) -> Array:
         """The support forces of the last step (n, 6)."""
         out[:] = 0.0
         for part in self.parts:
             res = part.strip.res.reshape(-1, 6, LANES).transpose(0, 2, 1)[:, : part.strip.lanes]
-            out[part.nodes[:, : part.strip.lanes]] = -res
+            out[part.strip.nodes] = -res
         out[~self.fixed] = 0.0
         return out
 
@@ -187,15 +219,40 @@ class Strips:
         return worst, where
 
 
+def _cut(elements: int) -> list[tuple[Ints, int]]:
+    """Where the lanes of each strip of a chain begin, and how long they are; the last strip, for what is left over, has
+    lanes one element long."""
+    strips = 1 if elements < 2 * SHARED else 2 * min(MOST // 2, elements // (2 * SHARED))
+    length, more = divmod(elements // LANES, strips)
+    out: list[tuple[Ints, int]] = []
+    begin = 0
+    for strip in range(strips):
+        many = length + (strip < more)
+        out.append((begin + many * np.arange(LANES), many))
+        begin += many * LANES
+    return [*out, (np.arange(begin, elements), 1)] if begin < elements else out
+
+
 def _part(
-    chain: Ints, order: Ints, group: Group, p: Array, first: Ints, many: int, lanes: int, fixed: NDArray[np.bool_]
+    group: Group,
+    chain: Ints,
+    order: Ints,
+    p: Array,
+    begin: Ints,
+    many: int,
+    fixed: NDArray[np.bool_],
+    before: list[Part],
 ) -> Part:
-    stride = group.layout.nn - 1
+    stride, lanes = group.layout.nn - 1, len(begin)
+    first = np.append(begin, np.full(LANES - lanes, begin[-1]))
     at = stride * first + np.arange(stride * many + 1)[:, None]
     nodes, members = chain[at], first + np.arange(many)[:, None]
     own = np.zeros((len(nodes), LANES))
     own[:-1, :lanes] = 1.0
-    if lanes:
-        own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
-    strip = strip_of(stride, lanes, p[members].transpose(0, 2, 1), fixed[nodes].transpose(0, 2, 1), own, whole=False)
+    own[-1, lanes - 1] = float(at[-1, lanes - 1] == len(chain) - 1)
+    parameters, held = p[members].transpose(0, 2, 1), fixed[nodes].transpose(0, 2, 1)
+    loaded = sum(part.strip.load.size for part in before)
+    strip = strip_of(
+        stride, nodes[:, :lanes], parameters, held, own, whole=False, first=LANES * len(before), loaded=loaded
+    )
     return Part(strip, nodes, order[members])

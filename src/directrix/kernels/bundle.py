@@ -2,9 +2,9 @@
 
 No lane learns of another: what one computes does not depend on who is beside it. Each goes through Newton's iteration
 as if it were alone, and asks for rounds: one with a new tangent, one that solves for positions alone, or a right-hand
-side through the factors that are there. A round is for all lanes, and who did not ask for it stays as it was. Factors
-that somebody goes on with are not overwritten, and who is ready to go on with its own stays where they were made until
-nobody asks for new ones: made again there, they are the same to the last bit.
+side through the factors that are there, with which a step begins too. A round is for all lanes, and who did not ask for
+it stays as it was. Who is ready to go on with its own factors stays where they were made until nobody asks for new
+ones: made again there, they are the same to the last bit. From then on there are no new ones before the next step.
 """
 # pyright: basic, reportCallIssue=false
 
@@ -50,33 +50,35 @@ def _next(lanes):
 
 
 @inner
-def _increments(code, s, g, w, kind):
+def _increments(code, s, g, kind):
     """``s.du`` and its sizes, in all lanes."""
     if kind == REUSE:
         pass_again(code, s)
     else:
         eliminate_strip(code, s, g, kind == FROZEN)
-    zero(w.size)
+    zero(s.size)
     none, last = s.none, s.elements * s.stride * SIX
-    call_lanes(code[BACKWARD_FAR], s.row, s.elements * R, none, 0, none, 0, s.du, last, w.size, 0)
-    rows_back(code, s, w)
+    call_lanes(code[BACKWARD_FAR], s.row, s.elements * R, none, 0, none, 0, s.du, last, s.size, 0)
+    rows_back(code, s)
 
 
 @inner
-def _weigh(s, w, lanes, lane, kind, result):
+def _weigh(s, w, lanes, lane, kind, gone, result):
     """What the increment of a lane means for it."""
     options = lanes.options[lane]
-    moved, turned = sqrt(w.size[lane]), sqrt(w.size[LANES + lane])
+    moved, turned = sqrt(s.size[lane]), sqrt(s.size[LANES + lane])
     lanes.iteration[lane] += 1
     n = lanes.iteration[lane]
     result[TANGENTS] += 0 if kind == REUSE else 1
     if n <= SHOWN:
         result[MOVES + 2 * n - 2], result[MOVES + 2 * n - 1] = moved, turned
-    if not w.size[2 * LANES + lane] < 1e300:
+    if not s.size[2 * LANES + lane] < 1e300 or (gone and turned > LARGE_TURN):
         lanes.mode[lane] = FAILED
         return
     w.scale[lane] = 1.0 if turned <= options[4] else options[4] / turned
     lanes.mode[lane] = TANGENT
+    if n == 1:
+        lanes.kept[lane] = turned <= LARGE_TURN
     if kind == FROZEN or turned > LARGE_TURN:
         lanes.before[lane] = 0.0
         if kind != FROZEN and options[6] > 0.0:
@@ -84,35 +86,35 @@ def _weigh(s, w, lanes, lane, kind, result):
     else:
         size, small, settled, again = judged(moved, turned, options[3], lanes.before[lane], kind == REUSE, finest(s))
         lanes.before[lane] = size
-        lanes.again[lane], lanes.good[lane] = again, small and settled
-        if again or small:
+        lanes.good[lane] = small and settled
+        if gone or (kind != REUSE and (again or small)):
             lanes.mode[lane] = READY
     if lanes.mode[lane] != READY and n >= int(options[5]):
         lanes.mode[lane] = FAILED
 
 
 @inner
-def _off(w, options, lane):
+def _off(s, w, options, lane):
     """Largest unbalanced force or moment of a lane over what is allowed, 1e300 if not finite."""
-    if not abs(w.most[4 * LANES + lane]) < 1e300:
+    if not abs(s.most[4 * LANES + lane]) < 1e300:
         return 1e300
-    force, moment = max(w.largest[lane], w.most[lane]), max(w.largest[LANES + lane], w.most[LANES + lane])
+    force, moment = max(w.largest[lane], s.most[lane]), max(w.largest[LANES + lane], s.most[LANES + lane])
     return max(
-        w.most[2 * LANES + lane] / max(options[0] * force, options[1]),
-        w.most[3 * LANES + lane] / max(options[0] * moment, options[2]),
+        s.most[2 * LANES + lane] / max(options[0] * force, options[1]),
+        s.most[3 * LANES + lane] / max(options[0] * moment, options[2]),
     )
 
 
 @inner
-def _settle(w, lanes, lane):
+def _settle(s, w, lanes, lane):
     """What a lane asks for that was ready, has moved and knows its residual."""
-    off = _off(w, lanes.options[lane], lane)
+    off = _off(s, w, lanes.options[lane], lane)
     if lanes.good[lane] and off <= 1.0:
         lanes.mode[lane] = DONE
     elif not off < 1e300 or lanes.iteration[lane] >= int(lanes.options[lane, 5]):
         lanes.mode[lane] = FAILED
     else:
-        lanes.mode[lane] = REUSE if lanes.again[lane] else TANGENT
+        lanes.mode[lane] = REUSE
 
 
 @inner
@@ -122,38 +124,40 @@ def _iterate(code, s, g, w, lanes, results, k):
         lanes.iteration[lane] = 0
         lanes.before[lane] = 0.0
         if lanes.mode[lane] != FAILED:
-            lanes.mode[lane] = TANGENT
+            lanes.mode[lane] = REUSE if lanes.kept[lane] else TANGENT
     kind = _next(lanes)
+    if kind == REUSE:
+        balance(code, s, g)
+    gone = False  # to the last factors of the step
     while kind < DONE:
-        _increments(code, s, g, w, kind)
+        _increments(code, s, g, kind)
         for lane in range(LANES):
             w.scale[lane] = 0.0
             if lanes.mode[lane] == kind and kind != READY:
-                _weigh(s, w, lanes, lane, kind, results[k, lane])
-        # they are few, and have turned by little: nothing of their increments is cut
-        go = kind == REUSE or (kind != FROZEN and _next(lanes) >= READY)
+                _weigh(s, w, lanes, lane, kind, gone, results[k, lane])
+        # nothing is cut of the increments of those who are ready: they have turned by little
+        go = gone = gone or (kind > FROZEN and _next(lanes) >= READY)
         for lane in range(LANES):
             if lanes.mode[lane] == READY:
                 w.scale[lane] = 1.0 if go else 0.0
         move(code, s, w.scale)
         if go:
-            zero(w.most)
-            balance(code, s, 0, g, w)
+            balance(code, s, g)
             for lane in range(LANES):
                 if lanes.mode[lane] == READY:
-                    _settle(w, lanes, lane)
+                    _settle(s, w, lanes, lane)
         kind = _next(lanes)
 
 
 @inner
-def _book(w, lanes, lane, result):
+def _book(s, lanes, lane, result):
     result[ITERATIONS] = lanes.iteration[lane]
     for c in range(7):
-        result[WORK + c] = w.sums[c * LANES + lane]
-    result[HELD] = w.sums[7 * LANES + lane]
+        result[WORK + c] = s.sums[c * LANES + lane]
+    result[HELD] = s.sums[7 * LANES + lane]
     for c in range(8):
-        result[BOOKS + c] = w.books[c * LANES + lane]
-    result[LOSS] = w.loss[lane]
+        result[BOOKS + c] = s.books[c * LANES + lane]
+    result[LOSS] = s.loss[lane]
 
 
 @compiled
@@ -163,15 +167,15 @@ def run(code, s, g, w, lanes, results, loads, shots, before):
     """
     kept = 0
     for k in range(results.shape[0]):
-        if k < loads.main.shape[0]:
-            load(s, w, loads.main[k], loads.largest[k])
+        if k < loads.strips.shape[0]:
+            load(s, loads.strips[k])
+            for i in range(w.largest.shape[0]):
+                w.largest[i] = loads.largest[k, i]
         _iterate(code, s, g, w, lanes, results, k)
-        zero(w.sums)
-        zero(w.loss)
-        close(code, s, g, w)
+        close(code, s, g)
         for lane in range(LANES):
             if lanes.mode[lane] == DONE:
-                _book(w, lanes, lane, results[k, lane])
+                _book(s, lanes, lane, results[k, lane])
         if (before + k + 1) % shots.every == 0:
-            shoot(s, shots.main, shots, kept)
+            shoot(s, shots, kept)
             kept += 1

@@ -38,9 +38,9 @@ class Whole(Protocol):
 
 @dataclass(frozen=True)
 class Emitted:
-    """A function that writes its own code: ``emit(translation, values)``."""
+    """A function that writes its own code: ``emit(translation, values)``; its result, if it has one."""
 
-    emit: Callable[[Expressions, Sequence[Value]], None]
+    emit: Callable[[Expressions, Sequence[Value]], Value | None]
 
 
 @cache
@@ -418,8 +418,7 @@ class Expressions:
             return self.made(node, called is np.zeros)
         values = [self.value(argument) for argument in node.args]
         if isinstance(called, Emitted):
-            called.emit(self, values)
-            return Value(None, ())
+            return called.emit(self, values) or Value(None, ())
         if called in (min, max):
             return self.extreme("lt" if called is min else "gt", values)
         if called is abs:

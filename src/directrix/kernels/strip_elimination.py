@@ -16,7 +16,7 @@ __all__ = ["BATCH", "eliminate_strip", "pass_again"]
 BATCH = 4
 """Elements whose tangents are computed before they are eliminated: the code of neither is small, and both together do
 not stay in the instruction cache."""
-FADED = 1e-20  # a coupling so much less than the node's own stiffness is none; only convergence depends on it
+FADED = 1e-14  # a coupling so much less than the node's own stiffness is none; only convergence depends on it
 BLOCK = 36 * LANES
 # blocks of a row: −D⁻¹, L, G, P, Q
 LOW, FIRST, UP, BACK = BLOCK, 2 * BLOCK, 3 * BLOCK, 4 * BLOCK

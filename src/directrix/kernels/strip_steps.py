@@ -25,7 +25,7 @@ __all__ = [
     "pack", "rows_back", "shoot", "unpack", "zero",
 ]  # fmt: skip
 
-LARGE_TURN = 0.05  # rad: after a larger rotation the positions are solved for again
+LARGE_TURN = 0.2  # rad: after a larger rotation the positions are solved for again
 # places of the results of a step
 ITERATIONS, WORK, FORCE, MOMENT, BOOKS, LOSS, HELD, TANGENTS, MOVES = 0, 1, 2, 5, 8, 16, 17, 18, 19
 SHOWN = 12  # iterations of a step whose moves are among its results
@@ -40,48 +40,45 @@ def zero(values):
 
 
 @inner
-def rows_back(code, s, w):
+def rows_back(code, s):
     """Increments of all nodes from that of the last, and of the first where it has no row."""
     step = s.stride * SIX
     for e in range(s.elements - 1, -1 if s.whole else 0, -1):
         back = BACKWARD_FAR if s.far[e] else BACKWARD
-        call_lanes(code[back], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, w.size, 0)
+        call_lanes(code[back], s.row, e * R, s.du, (e + 1) * step, s.du, 0, s.du, e * step, s.size, 0)
     for e in range(s.elements if s.stride == 2 else 0):
         at = e * step
-        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, w.size, 0)  # fmt: skip
+        call_lanes(code[BACKWARD], s.within, e * R, s.du, at + step, s.du, at, s.du, at + SIX, s.size, 0)  # fmt: skip
 
 
 @inner
 def move(code, s, scale):
-    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+    for node in range(s.elements * s.stride + 1):
         call_lanes(code[MOVE], s.x, node * X, s.du, node * SIX, scale, 0)
 
 
 @inner
-def balance(code, s, first, g, w):
-    """``s.res`` of the inner nodes, and what the parts leave on their ends in ``w.res``; of whole chains ``s.res`` of
-    all nodes."""
-    if s.lanes == 0:
-        return
+def balance(code, s, g):
+    """``s.res`` of the inner nodes, and in ``s.ends`` the forces of the parts on their ends; of whole chains ``s.res``
+    of all nodes. What is largest goes to ``s.most``."""
+    zero(s.most)
     for k in range(SIX):
         s.f[k] = 0.0
     for e in range(s.elements):
         at = e * s.stride
         call_lanes(code[RESIDUAL], s.x, at * X, s.p, e * s.parameters * LANES, g, 0, s.out, 0)
         if e == 0 and s.whole == 0:
-            for lane in range(s.lanes):
-                for i in range(6):
-                    w.res[first + lane, i] -= s.out[i * LANES + lane]
-            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, w.most, 0)
+            for k in range(SIX):
+                s.ends[k] = s.out[k]
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.first_load, 0, s.first_free, 0, s.res, 0, s.most, 0)
         else:
             to = at * SIX
-            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
+            call_lanes(code[BALANCE], s.out, 0, s.f, 0, s.load, to, s.free, to, s.res, to, s.most, 0)
     if s.whole:
         to = s.elements * s.stride * SIX
-        call_lanes(code[BALANCE_LAST], s.none, 0, s.f, 0, s.load, to, s.free, to, s.res, to, w.most, 0)
-    for lane in range(0 if s.whole else s.lanes):
-        for i in range(6):
-            w.res[first + lane + 1, i] -= s.f[i * LANES + lane]
+        call_lanes(code[BALANCE_LAST], s.none, 0, s.f, 0, s.load, to, s.free, to, s.res, to, s.most, 0)
+    for k in range(SIX):
+        s.ends[SIX + k] = s.f[k]
 
 
 @inner
@@ -91,28 +88,28 @@ def finest(s):
 
 
 @inner
-def load(s, w, values, largest):
-    """The loads of a step on a strip, and the largest of them."""
-    for k in range(values.shape[0]):
-        s.load[k] = values[k]
+def load(s, values):
+    """The loads of a step on a strip, from those of all strips."""
+    for k in range(s.load.shape[0]):
+        s.load[k] = values[s.loaded + k]
     for k in range(SIX, s.first_load.shape[0]):
         s.first_load[k] = s.load[k]
-    for k in range(largest.shape[0]):
-        w.largest[k] = largest[k]
 
 
 @inner
-def close(code, s, g, w):
+def close(code, s, g):
     """Books of the step, and x1 becomes x0."""
-    for node in range(s.elements * s.stride + 1 if s.lanes else 0):
+    zero(s.sums)
+    zero(s.loss)
+    for node in range(s.elements * s.stride + 1):
         call_lanes(
             code[FINISH], s.x, node * X, s.load, node * SIX, s.res, node * SIX, s.free, node * SIX, s.own, node * LANES,
-            g, 0, w.sums, 0,
+            g, 0, s.sums, 0,
         )  # fmt: skip
-    zero(w.books)
-    for e in range(s.elements if s.lanes else 0):
+    zero(s.books)
+    for e in range(s.elements):
         call_lanes(
-            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, w.books, 0, s.turn, e * LANES, w.loss, 0
+            code[AUDIT], s.x, e * s.stride * X, s.p, e * s.parameters * LANES, s.books, 0, s.turn, e * LANES, s.loss, 0
         )
 
 
@@ -149,17 +146,17 @@ def unpack(lanes, nodes, frames, x):
 
 
 @inner
-def _react(s, nodes, fixed, out):
+def _react(s, fixed, out):
     """Forces of the supports on the nodes of a strip in the step that was closed last."""
-    for i in range(nodes.shape[0]):
-        for lane in range(nodes.shape[1]):
-            node = nodes[i, lane]
+    for i in range(s.nodes.shape[0]):
+        for lane in range(s.lanes):
+            node = s.nodes[i, lane]
             for c in range(6):
                 out[node, c] = -s.res[(6 * i + c) * LANES + lane] if fixed[node, c] else 0.0
 
 
 @inner
-def shoot(s, nodes, shots, k):
+def shoot(s, shots, k):
     """The state of a strip and its reactions, as the ``k``-th of ``shots``."""
-    unpack(s.x, nodes, shots.frames, shots.x[k])
-    _react(s, nodes, shots.fixed, shots.reaction[k])
+    unpack(s.x, s.nodes, shots.frames, shots.x[k])
+    _react(s, shots.fixed, shots.reaction[k])

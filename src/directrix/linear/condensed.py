@@ -1,4 +1,4 @@
-"""Frames: struts eliminated to the junctions they join, the junctions by dense fronts or SuperLU."""
+"""Frames: struts eliminated to the junctions they join, the junctions by dense fronts, SuperLU or a package."""
 # pyright: reportUnknownMemberType=false
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from directrix.kernels import struts
+from directrix.linear.backed import Backed
 from directrix.linear.blocks import Blocks
 from directrix.linear.conformance import LinearSolver
 from directrix.linear.sparse import BlockSparse
@@ -43,20 +44,20 @@ class Condensed:
     """As :class:`BlockSparse`, for patterns in which many rows have just two neighbours.
 
     Those rows are eliminated along their struts, and only the junctions are left: many of them go to
-    :class:`Multifrontal`, a few to SuperLU. A system that cannot be solved so, or whose solution does not satisfy it,
-    goes to :class:`BlockSparse` as it is.
+    :class:`Multifrontal`, a few to SuperLU. A system that cannot be solved so, as where joints have multipliers, or
+    whose solution does not satisfy it, goes whole to the solver for many junctions, and to :class:`BlockSparse`.
 
     Parameters
     ----------
     rowptr, column
         As for :class:`BlockSparse`.
     make
-        Makes the solver for the junctions from their pattern and their rows in the whole; by default
-        :class:`Multifrontal` for many, :class:`BlockSparse` for a few.
+        Makes the solver for the junctions from their pattern and their rows in the whole, and that for the whole; by
+        default :class:`Multifrontal` for many rows, :class:`BlockSparse` for a few.
     """
 
     def __init__(self, rowptr: Ints, column: Ints, make: Make | None = None) -> None:
-        self.rowptr, self.column = rowptr, column
+        self.rowptr, self.column, self.make = rowptr, column, make or usual()
         self.condensed = False  # whether the factors that are there are those of struts and junctions
         n = len(rowptr) - 1
         place: list[dict[int, int]] = [
@@ -91,12 +92,16 @@ class Condensed:
         self.ends = _pairs((chain[0], chain[-1]) for chain in chains)
         self.dest = np.array([(at[a][a], at[a][b], at[b][a], at[b][b]) for a, b in ends], np.int64).reshape(-1, 4)
         self.kept, self.factors = np.zeros((len(inner), 6, 13)), np.zeros((len(inner), 6, 18))
-        self.small = (make or usual())(self.small_ptr, np.array(small_column, np.int64), self.junctions)
+        self.small = self.make(self.small_ptr, np.array(small_column, np.int64), self.junctions)
 
     @cached_property
-    def plain(self) -> BlockSparse:
+    def plain(self) -> BlockSparse | Backed:
         """The solver for the whole pattern, made when it is needed."""
-        return BlockSparse(self.rowptr, self.column)
+        last = BlockSparse(self.rowptr, self.column)
+        n = len(self.rowptr) - 1
+        if not MANY <= len(self.junctions) < n:  # all of them: the same has been asked already
+            return last
+        return Backed(self.make(self.rowptr, self.column, np.arange(n)), last)
 
     def solve(self, blocks: Array, rhs: Array, *, at_limit: bool = False) -> Array | None:
         """See :meth:`BlockSparse.solve`."""

@@ -22,6 +22,8 @@ __all__ = ["Multifrontal"]
 
 getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=np.float64)
 
+LITTLE = 1e-8
+"""Of the largest entries of a row, on its diagonal."""
 SLAB = 192
 """Columns of a front that one thread takes at a time."""
 PIECES = 16
@@ -32,7 +34,9 @@ class Multifrontal:
     """Analyse a block pattern once, then solve for many values, with most of the work in products of dense matrices.
 
     Rows and columns are scaled alike (see :class:`directrix.linear.sparse.BlockSparse`). Pivots are chosen inside a
-    front alone: where that is not enough, :meth:`solve` returns None, and another solver has to be asked.
+    front alone, and rows with nothing on the diagonal, as of multipliers, get a little, whose effect is corrected
+    afterwards: so every order is as good as another (Vanderbei 1995). Where that is not enough, :meth:`solve` returns
+    None, and another solver has to be asked.
 
     Parameters
     ----------
@@ -48,6 +52,7 @@ class Multifrontal:
         row = np.repeat(np.arange(n), np.diff(rowptr))
         real = np.flatnonzero((column >= 0) & (column < n))
         row, column = row[real], column[real]
+        self._own = real[row == column]
         found = fronts(np.concatenate([[0], np.cumsum(np.bincount(row, minlength=n))]), column)
         when = np.empty(n, np.int64)
         for k, front in enumerate(found):
@@ -66,12 +71,29 @@ class Multifrontal:
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where pivots inside the fronts are not enough."""
         whole = Blocks(self.rowptr, self.column, blocks)
-        self._factors = []  # room for the next ones
+        filled = self._filled(whole)
+        self._factors, self._scale = [], whole.scale  # room for the next ones
         try:
-            self._factors, self._scale = self._factored(whole.blocks, whole.scale), whole.scale
+            self._factors = self._factored(whole.blocks if filled is None else filled, whole.scale)
         except _VanishingPivotError:
             return None
+        if filled is not None and not whole.regular(self._substituted):
+            return None
         return whole.refined(rhs, self._substituted)
+
+    def _filled(self, whole: Blocks) -> Array | None:
+        """The blocks with LITTLE where a row has less than that on the diagonal; None where all have more.
+
+        It is taken away: multipliers then oppose what they hold, as stiffness does what is free.
+        """
+        diagonal = whole.scale**2 * np.einsum("kii->ki", whole.blocks[self._own])
+        bare = np.abs(diagonal) < LITTLE
+        if not bare.any():
+            return None
+        blocks = whole.blocks.copy()
+        for k in range(6):
+            blocks[self._own, k, k] -= np.where(bare[:, k], LITTLE / whole.scale[:, k] ** 2, 0.0)
+        return blocks
 
     def again(self, rhs: Array) -> Array:
         """See :meth:`LinearSolver.again`."""

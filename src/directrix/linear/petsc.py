@@ -12,9 +12,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from directrix.checks import choice, number, shown
+from directrix.checks import choice, number
 from directrix.errors import ModelError
-from directrix.linear.blocks import Blocks
+from directrix.linear.blocks import Blocks, Scalars
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,18 +51,12 @@ class Petsc:
         if not 0.0 < number(self.tolerance, "tolerance") <= 1e-8:
             raise ModelError(f"tolerance = {self.tolerance} does not work", "give one of at most 1e-8", "Petsc")
 
-    @staticmethod
-    def of(linear: Petsc | str | None) -> Petsc | None:
-        """What a user gives as ``linear=``. Raises ModelError, also where petsc4py is missing."""
-        if linear is None:
-            return None
-        if linear != "petsc" and not isinstance(linear, Petsc):
-            raise ModelError(f"linear = {shown(linear)} is no solver", 'use "petsc", dx.Petsc(…) or nothing', "linear=")
+    def ready(self) -> None:
+        """Raises ModelError where petsc4py is missing."""
         _library()
-        return linear if isinstance(linear, Petsc) else Petsc()
 
-    def maker(self, points: Array) -> Callable[[Ints, Ints, Ints], PetscSolver]:
-        """Makes solvers for rows that are nodes at ``points`` (n, 3), or NaN."""
+    def maker(self, points: Array, threads: int) -> Callable[[Ints, Ints, Ints], PetscSolver]:
+        """Makes solvers for rows that are nodes at ``points`` (n, 3), or NaN; processes share the work, not threads."""
         return lambda rowptr, column, rows: PetscSolver(rowptr, column, self, _motions(points[rows]))
 
 
@@ -115,24 +109,15 @@ class PetscSolver:
         world = lib.COMM_WORLD
         share = np.linspace(0, n, world.size + 1).astype(np.int64)
         self.first, self.last = int(share[world.rank]), int(share[world.rank + 1])
-        row = np.repeat(np.arange(n), np.diff(rowptr))
-        here = (column >= 0) & (column < n) & (row >= self.first) & (row < self.last)
-        self.entries: Ints = np.flatnonzero(here)
-        counts = np.bincount(row[here] - self.first, minlength=self.last - self.first)
-        self.rows, self.columns = row[here], column[here]
-        starts = np.concatenate([[0], np.cumsum(counts)])
-        # scalar rows: the six rows of a block row one after the other
-        self.order: Ints = np.argsort(
-            (np.repeat(self.rows, 36) * 6 + np.tile(np.repeat(np.arange(6), 6), len(self.rows))), kind="stable"
-        )
-        whole = lib.IntType
-        indptr = np.concatenate([[0], np.cumsum(np.repeat(6 * np.diff(starts), 6))]).astype(whole)
-        indices = (6 * np.repeat(self.columns, 36) + np.tile(np.arange(6), 6 * len(self.columns)))[self.order]
-        self.csr = indptr, indices.astype(whole)
+        self.scalars = Scalars(rowptr, column, self.first, self.last)
+        self.csr = self.scalars.rowptr.astype(lib.IntType), self.scalars.columns.astype(lib.IntType)
         local = 6 * (self.last - self.first)
         self.matrix = lib.Mat().createAIJ(
-            ((local, 6 * n), (local, 6 * n)), bsize=6, csr=(*self.csr, np.zeros(len(indices))), comm=world
+            ((local, 6 * n), (local, 6 * n)), bsize=6, csr=(*self.csr, np.zeros(len(self.csr[1]))), comm=world
         )
+        joints = ~motions.any(axis=(1, 2)) & (np.diff(rowptr) > 2)
+        # of multipliers that join two nodes the multigrid knows nothing: GMRES would try in vain, for long
+        self.hopeless = how.method == "gamg" and bool(joints.any())
         self.b = self.matrix.createVecLeft()
         self.x = self.matrix.createVecRight()
         self.spread, self.all = lib.Scatter.toAll(self.x)
@@ -152,10 +137,11 @@ class PetscSolver:
 
     def solve(self, blocks: Array, rhs: Array) -> Array | None:
         """x with K x = rhs, both (n, 6), or None where PETSc finds none."""
+        if self.hopeless:
+            return None
         whole = Blocks(self.rowptr, self.column, blocks)
         scale = self.scale = whole.scale
-        values = scale[self.rows][:, :, None] * blocks[self.entries] * scale[self.columns][:, None, :]
-        self.matrix.setValuesCSR(*self.csr, values.reshape(-1)[self.order])
+        self.matrix.setValuesCSR(*self.csr, self.scalars.values(blocks, scale))
         self.matrix.assemble()
         if self.how.method == "gamg":
             self._tell_motions(scale)

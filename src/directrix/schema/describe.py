@@ -117,6 +117,8 @@ def _analysis(case: Case, disc: Discretisation) -> Iterator[str]:
         yield f"  {do.integrator} step{given}, loads by the {do.load_rule} rule"
     kept = "every step" if every == 1 else f"every {every} steps and the last"
     yield f"  tolerance {do.tolerance:g}; kept: {kept}"
+    if do.linear is not None:
+        yield f"  frames solved by {do.linear}"
     free = 6 * disc.nodes - int(disc.fixed.sum())
     shape = "a chain" if disc.pattern.chain else "a general frame"
     rods, nodes = len(disc.mesh.rods), disc.nodes

@@ -151,14 +151,15 @@ def _sentence(error: Mapping[str, Any], root: type[BaseModel]) -> tuple[str, str
                 f"has {limits['actual_length']} entries, but needs {limits['min_length']}",
                 "add the missing ones",
             )
-        case "tuple_type" if isinstance(given, dict):
+        case "tuple_type" if isinstance(error["input"], dict) and _tables_at(root, error["loc"]):
             return (
                 "DX216",
                 "is one table, but there may be several",
                 f"write the header as [[{key}]], with double brackets",
             )
         case "tuple_type":
-            return "DX214", f"{shown} a list", "write it in brackets, e.g. [0, 0, 1]"
+            example = "[[0, 0, 0], [1, 0, 0]]" if key == "line" else "[0, 0, 1]"
+            return "DX214", f"{shown} a list", f"write it in brackets, e.g. {example}"
         case "model_type" | "model_attributes_type" | "dict_type" if isinstance(given, list):
             return (
                 "DX216",
@@ -246,6 +247,12 @@ def _models_at(root: type[BaseModel], loc: Sequence[str | int]) -> list[type[Bas
                 break
         models = found or models
     return models
+
+
+def _tables_at(root: type[BaseModel], loc: Sequence[str | int]) -> bool:
+    """Whether a key of the file holds tables."""
+    fields = (m.model_fields[str(loc[-1])] for m in _models_at(root, loc[:-1]) if loc[-1] in m.model_fields)
+    return any(_models_in(field.annotation) for field in fields)
 
 
 def _keys(root: type[BaseModel], loc: Sequence[str | int]) -> list[str]:

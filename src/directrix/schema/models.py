@@ -629,6 +629,9 @@ class DisplacementControl(Strict):
     """Load factors to stop at on the way, wherever the path crosses them."""
 
 
+Solver = Literal["rslab", "pardiso"]
+
+
 class Statics(Strict):
     """Equilibria while the load factor goes from 0 to 1, or along the path of a control."""
 
@@ -645,6 +648,8 @@ class Statics(Strict):
     """Update of the rotations in an iteration; both reach the same state."""
     stability: bool | None = None
     """Count the negative pivots at every saved state and look for critical points; with a control unless said."""
+    linear: Solver | None = None
+    """Package that solves a frame of many joints; SciPy unless given."""
 
     @model_validator(mode="after")
     def _one_drive(self) -> Self:
@@ -691,6 +696,8 @@ class Dynamics(Strict):
     """A load acts over a step with its value at the middle, or with the mean of its end values."""
     tolerance: Tolerance = 1e-9
     """Unbalanced over largest element force."""
+    linear: Solver | None = None
+    """Package that solves a frame of many joints; SciPy unless given."""
 
     @property
     def parameters(self) -> dict[str, float]:
