@@ -5,17 +5,17 @@ stability: how many of its pivots are negative, and which eigenvalues are neares
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
 from directrix.kernels.tables import Tables
 from directrix.newton import Newton
 from directrix.tangents import group_tangents
+
+if TYPE_CHECKING:  # few runs need it, and it takes as long to import as all of ours
+    from scipy.sparse import csc_matrix
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -77,6 +77,8 @@ class Hessian:
         return self._gathered(np.concatenate(scaled))
 
     def _gathered(self, values: Array) -> csc_matrix:
+        from scipy.sparse import csc_matrix
+
         size = len(self.free)
         data = np.bincount(self._place, values[self._kept], len(self._indices))
         return csc_matrix((data, self._indices, self._indptr), shape=(size, size))
@@ -93,6 +95,9 @@ def negative_pivots(matrix: csc_matrix, below: float = 0.0) -> int:
 
     Pivots stay on the diagonal. Where one vanishes the matrix is shifted by round-off.
     """
+    from scipy.linalg import eigh
+    from scipy.sparse.linalg import splu
+
     if matrix.shape[0] == 0:
         return 0
     matrix = _shifted(matrix, below)
@@ -109,6 +114,8 @@ def negative_pivots(matrix: csc_matrix, below: float = 0.0) -> int:
 
 def nearest_zero(matrix: csc_matrix, count: int) -> NearZero:
     """The ``count`` eigenvalues of a symmetric matrix that are nearest to zero."""
+    from scipy.linalg import eigh
+
     n = matrix.shape[0]
     count = min(count, n)
     if n <= SMALL or 2 * count + MORE > n:
@@ -122,6 +129,9 @@ def nearest_zero(matrix: csc_matrix, count: int) -> NearZero:
 
 def _by_inverse(matrix: csc_matrix, count: int) -> tuple[Array, Array]:
     """Inverse iteration with a block, which also sees eigenvalues that are equal."""
+    from scipy.linalg import eigh
+    from scipy.sparse.linalg import splu
+
     size, factor = largest_entry(matrix), cast("Any", None)
     for shift in (0.0, ROUND_OFF, 1e2 * ROUND_OFF):
         try:
@@ -153,7 +163,7 @@ def _shifted(matrix: csc_matrix, by: float) -> csc_matrix:
         return matrix
     out = matrix.copy()
     out.setdiag(out.diagonal() + by)
-    return csc_matrix(out)
+    return out
 
 
 def not_conservative(newton: Newton) -> str:
