@@ -33,6 +33,7 @@ from directrix.kernels import strips as kernel
 from directrix.newton import Newton, Settings
 from directrix.state import initial_state
 from directrix.stepping import Fixed
+from directrix.strips import Strips
 
 CASES = {  # (elements, order): target, ns per element and Newton iteration
     (20, 1): 350.0, (100, 1): 200.0, (1000, 1): 150.0, (10_000, 1): 220.0, (50, 2): 880.0, (500, 2): 660.0,
@@ -67,16 +68,20 @@ def measure(n: int, order: int, steps: int) -> tuple[float, float, float, dx.Res
     return min(t for t, _ in times), min(ratios), float(np.median(ratios)), results[-1]
 
 
-def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
-    """By phase: ns per element, and how often a step runs it."""
+def chain_of(n: int, order: int = 1, threads: int = 1) -> Strips:
+    """A rod of n elements in lanes, before its first step."""
     scheme = dx.EnergyMomentum().scheme(DT)
     disc = discretise(flying_rod(n, order), scheme)
-    newton, x = Newton(disc, scheme, Settings()), initial_state(disc, None, scheme)
-    fast = fast_for(newton, Fixed(DT, 0.0, 40), 40)
+    fast = fast_for(Newton(disc, scheme, Settings(threads=threads)), Fixed(DT, 0.0, 10_000), 10_000)
     assert fast is not None
-    strips, results = fast.strips, np.zeros((40, strip_steps.RESULTS))
-    strips.pack(x)
-    strips.set_loads(disc.external(0.0)[None])
+    fast.strips.pack(initial_state(disc, None, scheme))
+    fast.strips.set_loads(disc.external(0.0)[None])
+    return fast.strips
+
+
+def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
+    """By phase: ns per element, and how often a step runs it."""
+    strips, results = chain_of(n, order), np.zeros((40, strip_steps.RESULTS))
     strips.run(results)
     iterations, tangents = (float(results[:, column].mean()) for column in (0, strip_steps.TANGENTS))
     main, team = strips.parts[0].strip, strips.team[0]
@@ -102,16 +107,12 @@ def phases(n: int, order: int) -> dict[str, tuple[float, float]]:
 
 def two_threads(n: int = 10_000, steps: int = 10, rounds: int = 12) -> str:
     """A line on two threads against one, by the clock, in turns; every core that the process may use is used."""
-    scheme = dx.EnergyMomentum().scheme(DT)
-    disc, both = discretise(flying_rod(n), scheme), list[Callable[[], object]]()
-    for threads in (1, 2):
-        newton, x = Newton(disc, scheme, Settings(threads=threads)), initial_state(disc, None, scheme)
-        fast = fast_for(newton, Fixed(DT, 0.0, 10_000), 10_000)
-        assert fast is not None
-        fast.strips.pack(x)
-        fast.strips.set_loads(disc.external(0.0)[None])
-        both.append(lambda strips=fast.strips: strips.run(np.zeros((steps, strip_steps.RESULTS))))
-    times = np.array([[least(run, 1, time.perf_counter) for run in both] for _ in range(rounds)])[1:]
+    chains = [chain_of(n, threads=threads) for threads in (1, 2)]
+
+    def seconds(chain: Strips) -> float:
+        return least(lambda: chain.run(np.zeros((steps, strip_steps.RESULTS))), 1, time.perf_counter)
+
+    times = np.array([[seconds(chain) for chain in chains] for _ in range(rounds)])[1:]
     ratios = np.sort(times[:, 0] / times[:, 1])
     best = times.min(axis=0)
     return (

@@ -22,8 +22,8 @@ class LinearSolver(Protocol):
         ...
 
     def again(self, rhs: Array) -> Array | None:
-        """x for another right-hand side, through the factors of the last solution that was found; None where there is
-        none. It is not corrected: who asks finds out whether the factors are good enough."""
+        """x for another right-hand side through the factors of the last :meth:`solve`, which must have found one; None
+        where they lead to none. It is not corrected: who asks finds out whether the factors are good enough."""
         ...
 
 
